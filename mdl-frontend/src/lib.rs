@@ -1,0 +1,9 @@
+//! Front end of MDL: from source text to typed modules to a [`graph::MaterialGraph`].
+//!
+//! This crate knows no file system, no thread and no executor: it asks a loader for module text and for
+//! the existence of resources, and hands out graphs.
+
+pub mod graph;
+pub mod span;
+pub mod types;
+pub mod value;
