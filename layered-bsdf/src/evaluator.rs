@@ -123,12 +123,13 @@ pub mod code {
         Visit { node: 0, weight: splat3(1.0), prob: 1.0, normal: vec3f(0.0, 0.0, 1.0) }
     }
 
-    /// The normal of the first child that is a layer: its own or the inherited one.
+    /// The normal of a layer on the side of `wo`: its own or the inherited one.
     pub fn layer_normal(n: Vec4u, p: ptr!(function, Params), inherited: Vec3f) -> Vec3f {
         if (n.x & FLAG_VECTOR) == 0 {
             return inherited;
         }
-        normalize_or(param3(p, layer_normal_slot(n)), inherited)
+        let own = normalize_or(param3(p, layer_normal_slot(n)), inherited);
+        own * select(-1.0, 1.0, own.z >= 0.0)
     }
 
     /// Probability of choosing the layer when its curve, seen from `wo`, is `curve`.

@@ -5,9 +5,9 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod code {
     //! Everything, for the one text.
-    use crate::edf::code::*;
-    use crate::evaluator::code::*;
-    use wgsl_rs::std::*;
+    pub use crate::edf::code::*;
+    pub use crate::evaluator::code::*;
+    pub use crate::math::code::*;
 
     /// The version of the library's conventions; a kernel that links it can check it.
     pub const LAYERED_BSDF_VERSION: u32 = 1;

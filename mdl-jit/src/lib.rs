@@ -1,1 +1,1 @@
-//! TODO
+//! Executors of naga IR.
