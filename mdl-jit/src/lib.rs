@@ -1,1 +1,5 @@
-//! Executors of naga IR.
+//! Executors of naga IR, and what a renderer needs of a compiled material.
+
+pub mod material;
+pub mod state;
+pub mod texture;
