@@ -52,7 +52,7 @@ pub mod code {
         // 1/(c(1−c)⁶) at c = 1/7 is 7·(7/6)⁶.
         let m = 1.0 - c;
         let m2 = m * m;
-        let bump = 17.651_384 * c * m2 * m2 * m2;
+        let bump = 17.651384 * c * m2 * m2 * m2;
         unit3(plain - at_82 * (splat3(1.0) - unit3(f82)) * bump)
     }
 
@@ -84,6 +84,15 @@ pub mod code {
             return weight * schlick_curve(normal, grazing, exponent, c);
         }
         weight
+    }
+
+    /// The weight of the layer of node `n` at normal incidence where that can be the largest; else zero.
+    pub fn layer_curve_floor(n: Vec4u, p: ptr!(function, Params)) -> Vec3f {
+        if (n.x & OP_MASK) != OP_CUSTOM_CURVE_LAYER {
+            return splat3(0.0);
+        }
+        let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
+        weight * unit3(param3(p, n.y + SLOT_LAYER_CURVE))
     }
 
     /// The slot of a layer's normal.

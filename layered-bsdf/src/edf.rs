@@ -57,12 +57,12 @@ pub mod code {
                 depth += 1;
             } else if op >= OP_TINT && op < OP_WEIGHTED_LAYER {
                 // One direction: it is its own half vector.
-                visit.weight = visit.weight
-                    * modifier_factor(n, p, vec3f(0.0, 0.0, 1.0), w, vec3f(-w.x, -w.y, w.z), false);
+                let mirrored = vec3f(-w.x, -w.y, w.z);
+                visit.weight *= modifier_factor(n, p, visit.normal, w, mirrored, false);
                 visit.node += 1;
             } else {
                 if op == OP_DIFFUSE_EDF {
-                    result.value = result.value + visit.weight * FRAC_1_PI;
+                    result.value += visit.weight * FRAC_1_PI;
                     result.pdf += visit.prob * w.z * FRAC_1_PI;
                 }
                 running = depth > 0;
@@ -96,7 +96,7 @@ pub mod code {
         if (n.x & OP_MASK) != OP_DIFFUSE_EDF || wi.z <= 0.0 {
             return lobe_absorb();
         }
-        LobeSample { wi: wi, event: EVENT_DIFFUSE }
+        LobeSample { wi, event: EVENT_DIFFUSE }
     }
 }
 pub use code::*;

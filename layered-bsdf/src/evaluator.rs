@@ -6,8 +6,10 @@
 //! probabilities that sampling would have used: `eval`, `sample` and `pdf` cannot disagree.
 //!
 //! Layers follow MDL's documented weights: with w(θ) the layer's curve, the layer is weighted by w at the
-//! half vector and the base by 1 − max(w(θo), w(θi)). This is reciprocal and never gains energy; it loses
-//! the light that passes between the layers more than once.
+//! half vector and the base by 1 − max(w(θo), w(θi), w(0)). This is reciprocal and loses the light that
+//! passes between the layers more than once. (MDL's reference leaves out w(0), which is the least where a
+//! curve rises towards grazing, as Fresnel's does. Where it falls, w(0) keeps the layers from gaining
+//! energy: no half vector lies lower than both directions.)
 
 use wgsl_rs::wgsl;
 
@@ -87,7 +89,7 @@ pub mod code {
     }
 
     /// No node is asked for.
-    pub const NO_NODE: u32 = 0xffff_ffff;
+    pub const NO_NODE: u32 = 0xffffffff;
     /// Least share of a layer's weight that its selection is based on: a curve that vanishes for `wo`
     /// need not vanish at other facets.
     pub const LAYER_FLOOR: f32 = 0.04;
@@ -157,11 +159,11 @@ pub mod code {
         let seen = layer_curve(n, p, point, unit(abs(dot(normal, wo))));
         let prob = layer_probability(n, p, seen);
         if (n.x & OP_MASK) == OP_WEIGHTED_LAYER {
-            return LayerSplit { layer: seen, base: splat3(1.0) - seen, prob: prob };
+            return LayerSplit { layer: seen, base: splat3(1.0) - seen, prob };
         }
         let lit = layer_curve(n, p, point, unit(abs(dot(normal, wi))));
         let at_half = layer_curve(n, p, point, half_cosine(normal, wo, wi));
-        LayerSplit { layer: at_half, base: splat3(1.0) - max(seen, lit), prob: prob }
+        LayerSplit { layer: at_half, base: splat3(1.0) - max(max(seen, lit), layer_curve_floor(n, p)), prob }
     }
 
     /// The factor of a modifier for a pair of directions.
@@ -258,15 +260,15 @@ pub mod code {
                 visit = visit_now(n, layer, base);
                 depth += 1;
             } else if op >= OP_TINT {
-                visit.weight = visit.weight * modifier_factor(n, p, visit.normal, wo, wi, transmits);
+                visit.weight *= modifier_factor(n, p, visit.normal, wo, wi, transmits);
                 visit.node += 1;
             } else {
                 if visit.node == specular_node {
                     result.specular = visit.weight;
                 }
                 let leaf = leaf_eval(n, p, point, visit.normal, wo, wi, transmits);
-                result.diffuse = result.diffuse + visit.weight * leaf.diffuse;
-                result.glossy = result.glossy + visit.weight * leaf.glossy;
+                result.diffuse += visit.weight * leaf.diffuse;
+                result.glossy += visit.weight * leaf.glossy;
                 result.pdf += visit.prob * leaf.pdf;
                 running = depth > 0;
                 if running {
@@ -311,7 +313,7 @@ pub mod code {
             let v = diffuse_reflection_eval(lobe, o, i);
             result.diffuse = tint * v.single;
             if (n.x & FLAG_COLOR) != 0 {
-                result.diffuse = result.diffuse + unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE)) * v.multiple;
+                result.diffuse += unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE)) * v.multiple;
             }
             result.pdf = v.pdf;
         } else if op == OP_DIFFUSE_TRANSMISSION {
@@ -375,10 +377,61 @@ pub mod code {
         bsdf_visit(program, p, point, wo, wi, NO_NODE)
     }
 
-    /// The share of energy that a tree scatters into all directions, seen from `wo`: an estimate where
-    /// layers vary with the angle, for it takes their curves at `wo` alone. Exact for single lobes
-    /// within the bounds that their files state.
+    /// Points of the quadrature of `bsdf_albedo` for trees whose layers vary with the angle.
+    pub const ALBEDO_POINTS: u32 = 64;
+
+    /// The share of energy that a tree scatters into all directions, seen from `wo`. Exact within the
+    /// bounds that the lobes state, but for trees with angular curves or a tint per side: there it is the
+    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05.
     pub fn bsdf_albedo(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut angular: bool = false;
+        let count = program.count;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..count {
+            let n = bsdf_node(program, i);
+            let op = n.x & OP_MASK;
+            let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
+            angular = angular || op > OP_WEIGHTED_LAYER || op == OP_DIRECTIONAL_FACTOR || splits;
+        }
+        if angular {
+            return bsdf_albedo_sampled(program, p, point, wo);
+        }
+        bsdf_albedo_closed(program, p, point, wo)
+    }
+
+    /// The mean weight of samples at points that fill the cube evenly (M. Roberts, "The Unreasonable
+    /// Effectiveness of Quasirandom Sequences", 2018: powers of the inverse root of x⁴ = x + 1).
+    pub fn bsdf_albedo_sampled(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut result: BsdfAlbedo = BsdfAlbedo { diffuse: splat3(0.0), glossy: splat3(0.0) };
+        let share = 1.0 / f32(ALBEDO_POINTS);
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..ALBEDO_POINTS {
+            let k = f32(i) + 0.5;
+            let u = vec3f(k * 0.8191725, k * 0.6710436, k * 0.5497005);
+            let s = bsdf_sample(program, p, point, wo, u - floor(u));
+            if (s.event & EVENT_SPECULAR) != 0 {
+                result.glossy += s.weight * share;
+            } else if s.event != EVENT_ABSORB {
+                let v = bsdf_eval(program, p, point, wo, s.wi);
+                result.diffuse += v.diffuse * (share / v.pdf);
+                result.glossy += v.glossy * (share / v.pdf);
+            }
+        }
+        BsdfAlbedo { diffuse: unit3(result.diffuse), glossy: unit3(result.glossy) }
+    }
+
+    /// The albedo of a tree without angular curves, lobe by lobe.
+    pub fn bsdf_albedo_closed(
         program: ptr!(function, Program),
         p: ptr!(function, Params),
         point: ShadingPoint,
@@ -394,7 +447,7 @@ pub mod code {
             let op = n.x & OP_MASK;
             if op >= OP_WEIGHTED_LAYER {
                 let own = layer_normal(n, p, visit.normal);
-                let share = layer_curve(n, p, point, unit(abs(dot(own, wo))));
+                let share = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
                 let layer = Visit {
                     node: layer_child(n, visit.node),
                     weight: visit.weight * share,
@@ -411,13 +464,12 @@ pub mod code {
                 visit = visit_now(n, layer, base);
                 depth += 1;
             } else if op >= OP_TINT {
-                let mirrored = visit.normal * (2.0 * dot(visit.normal, wo)) - wo;
-                visit.weight = visit.weight * modifier_factor(n, p, visit.normal, wo, mirrored, false);
+                visit.weight *= modifier_factor(n, p, visit.normal, wo, wo, false);
                 visit.node += 1;
             } else {
                 let leaf = leaf_albedo(n, p, point, visit.normal, wo);
-                result.diffuse = result.diffuse + visit.weight * leaf.diffuse;
-                result.glossy = result.glossy + visit.weight * leaf.glossy;
+                result.diffuse += visit.weight * leaf.diffuse;
+                result.glossy += visit.weight * leaf.glossy;
                 running = depth > 0;
                 if running {
                     depth -= 1;
@@ -449,7 +501,7 @@ pub mod code {
             result.diffuse = tint * single;
             if (n.x & FLAG_COLOR) != 0 {
                 let multiple = unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE));
-                result.diffuse = result.diffuse + multiple * (1.0 - single);
+                result.diffuse += multiple * (1.0 - single);
             }
         } else if op == OP_DIFFUSE_TRANSMISSION {
             result.diffuse = tint;
@@ -464,7 +516,7 @@ pub mod code {
     /// `u` after a choice with probability `prob` used part of it: uniform again, and below 1.
     pub fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
         let rest = select((u - prob) / (1.0 - prob), u / prob, chosen);
-        clamp(rest, 0.0, 0.999_999_94)
+        clamp(rest, 0.0, 0.99999994)
     }
 
     /// A direction from the whole tree: `u.xy` place it, `u.z` chooses the lobe and what a lobe chooses.

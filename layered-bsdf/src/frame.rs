@@ -12,9 +12,9 @@ pub mod code {
     use wgsl_rs::std::*;
 
     /// π
-    pub const PI: f32 = 3.141_592_7;
+    pub const PI: f32 = 3.1415927;
     /// 1/π
-    pub const FRAC_1_PI: f32 = 0.318_309_87;
+    pub const FRAC_1_PI: f32 = 0.31830987;
 
     /// An orthonormal basis: `x` the tangent, `y` the bitangent, `z` the normal.
     #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ pub mod code {
     pub fn frame_from_normal_tangent(n: Vec3f, tangent: Vec3f) -> Frame {
         let other = frame_from_normal(n);
         let x = normalize_or(tangent - n * dot(n, tangent), other.x);
-        Frame { x: x, y: cross(n, x), z: n }
+        Frame { x, y: cross(n, x), z: n }
     }
 
     /// The components of `v` along the axes of `f`.
@@ -80,7 +80,7 @@ pub mod code {
 
     /// `v` limited to be not negative; a NaN becomes 0, infinity the largest number.
     pub fn nonnegative(x: f32) -> f32 {
-        select(0.0, min(x, 3.402_823_4e38), x > 0.0)
+        select(0.0, min(x, 3.4028234e38), x > 0.0)
     }
 
     /// Largest component.

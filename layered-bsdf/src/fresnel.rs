@@ -49,7 +49,7 @@ pub mod code {
         if exponent == 5.0 {
             return m2 * m2 * m;
         }
-        if exponent <= 0.0 || exponent != exponent {
+        if !(exponent > 0.0) {
             return 1.0;
         }
         math_pow(m, exponent)

@@ -18,9 +18,9 @@ pub mod code {
     use wgsl_rs::std::*;
 
     /// ½ − 2/(3π): the loss of the rough lobe per unit of roughness.
-    pub const FUJII_LOSS: f32 = 0.287_793_4;
+    pub const FUJII_LOSS: f32 = 0.2877934;
     /// 2/3 − 28/(15π): the mean over the hemisphere of what roughness gives back, per unit.
-    pub const FUJII_MEAN: f32 = 0.072_488_21;
+    pub const FUJII_MEAN: f32 = 0.07248821;
 
     /// Rough diffuse reflection.
     #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ pub mod code {
     pub fn diffuse_reflection_new(roughness: f32) -> DiffuseReflection {
         let r = unit(roughness);
         let a = 1.0 / (1.0 + FUJII_LOSS * r);
-        DiffuseReflection { roughness: r, a: a, b: a * r }
+        DiffuseReflection { roughness: r, a, b: a * r }
     }
 
     /// Value and density for directions on the upper side; zero elsewhere.
@@ -63,12 +63,10 @@ pub mod code {
         // s = sin θo sin θi cos Δφ, written without angles; positive s is divided by the larger cosine.
         let s = dot(wo, wi) - wo.z * wi.z;
         let t = select(1.0, max(wo.z, wi.z), s > 0.0);
-        let missing =
-            (1.0 - diffuse_reflection_albedo(lobe, wo.z)) * (1.0 - diffuse_reflection_albedo(lobe, wi.z));
-        let mean = lobe.a + FUJII_MEAN * lobe.b;
         DiffuseValue {
             single: (lobe.a + lobe.b * s / t) * lambert,
-            multiple: max(missing, 0.0) / (1.0 - mean) * lambert,
+            multiple: lobe.b * fujii_missing(wo.z) * fujii_missing(wi.z) / (FUJII_LOSS - FUJII_MEAN)
+                * lambert,
             pdf: lambert,
         }
     }
@@ -79,19 +77,25 @@ pub mod code {
         if wi.z <= 0.0 {
             return lobe_absorb();
         }
-        LobeSample { wi: wi, event: EVENT_DIFFUSE | EVENT_REFLECTION }
+        LobeSample { wi, event: EVENT_DIFFUSE | EVENT_REFLECTION }
     }
 
-    /// Directional albedo of single scattering, seen at cosine `mu`.
+    /// The energy that single scattering misses at cosine `mu`, per unit of B: 1 − albedo = B·this, for
+    /// 1 − A is B·(½ − 2/(3π)).
     ///
-    /// With s = sin θ: A + B/π·(s(θ − sμ) + ⅔(sμ(1+s+s²)/(1+s) − s)); the last quotient is
+    /// With s = sin θ it is ½ − 2/(3π) − (s(θ − sμ) + ⅔(sμ(1+s+s²)/(1+s) − s))/π; the last quotient is
     /// s(1−s³)/μ after 1 − s = μ²/(1+s) was put in.
-    pub fn diffuse_reflection_albedo(lobe: DiffuseReflection, mu: f32) -> f32 {
+    pub fn fujii_missing(mu: f32) -> f32 {
         let c = unit(mu);
         let s = sqrt((1.0 - c) * (1.0 + c));
         let theta = math_acos(c);
         let g = s * (theta - s * c) + (2.0 / 3.0) * (s * c * (1.0 + s + s * s) / (1.0 + s) - s);
-        lobe.a + lobe.b * g * FRAC_1_PI
+        max(FUJII_LOSS - g * FRAC_1_PI, 0.0)
+    }
+
+    /// Directional albedo of single scattering, seen at cosine `mu`.
+    pub fn diffuse_reflection_albedo(lobe: DiffuseReflection, mu: f32) -> f32 {
+        1.0 - lobe.b * fujii_missing(mu)
     }
 }
 pub use code::*;

@@ -50,12 +50,7 @@ pub mod code {
 
     /// The lobe for roughnesses and index ratio as authored.
     pub fn ggx_new(alpha_x: f32, alpha_y: f32, mode: u32, thin_walled: bool, eta: f32) -> Ggx {
-        Ggx {
-            alpha: vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)),
-            mode: mode,
-            thin_walled: thin_walled,
-            eta: sane_eta(eta),
-        }
+        Ggx { alpha: vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)), mode, thin_walled, eta: sane_eta(eta) }
     }
 
     /// √(z² + αx²x² + αy²y²): the length of `w` after the stretch to a hemisphere of roughness 1.
@@ -145,7 +140,7 @@ pub mod code {
         // |wo·wm| |wi·wm| = oh·(−ih)/h2; the two powers of 1/|h| of the Jacobian make it h2².
         let jacobian = lobe.eta * lobe.eta * (oh / h2) * (-ih / h2);
         let pdf = 2.0 * d * jacobian / (wo.z + ggx_stretch(lobe.alpha, wo));
-        LobeValue { f: pdf * ggx_g1(lobe.alpha, wi), pdf: pdf }
+        LobeValue { f: pdf * ggx_g1(lobe.alpha, wi), pdf }
     }
 
     /// A facet normal visible from `wo`, on the cap that `bound` leaves.
@@ -189,7 +184,7 @@ pub mod code {
         if wi.z >= 0.0 {
             return lobe_absorb();
         }
-        LobeSample { wi: wi, event: EVENT_GLOSSY | EVENT_TRANSMISSION }
+        LobeSample { wi, event: EVENT_GLOSSY | EVENT_TRANSMISSION }
     }
 }
 pub use code::*;

@@ -3,7 +3,7 @@
 //! An isotropic reflector has a fitted formula: the loss 1 − E as a rational function of t = μ/(μ + α)
 //! and α, largest error 8e-4. `examples/fit_ggx_albedo.rs` computes the coefficients from a quadrature
 //! of our own. Other lobes are integrated here, over [`ALBEDO_CELLS`]² visible normals: the mean of
-//! R·G1(reflected) + (1 − R)·G1(refracted).
+//! R·G1(reflected) + (1 − R)·G1(refracted), largest error 0.025 where total reflection cuts through.
 
 use wgsl_rs::wgsl;
 
@@ -27,15 +27,15 @@ pub mod code {
     /// Albedo of an isotropic reflector at cosine `mu`.
     pub fn ggx_albedo_reflection(alpha: f32, mu: f32) -> f32 {
         let t = mu / (mu + alpha);
-        let p0 = cubic(vec4f(0.063_108, 0.042_415, 0.648_377, -0.239_965), alpha);
-        let p1 = cubic(vec4f(0.013_712, -0.221_854, 0.127_135, 0.129_219), alpha);
-        let p2 = cubic(vec4f(0.122_677, 0.723_070, -0.965_951, -1.096_269), alpha);
-        let p3 = cubic(vec4f(-0.368_986, -1.808_482, -0.927_123, 3.219_062), alpha);
-        let p4 = cubic(vec4f(0.166_463, 1.352_936, 2.680_698, -4.121_448), alpha);
+        let p0 = cubic(vec4f(0.063108, 0.042415, 0.648377, -0.239965), alpha);
+        let p1 = cubic(vec4f(0.013712, -0.221854, 0.127135, 0.129219), alpha);
+        let p2 = cubic(vec4f(0.122677, 0.723070, -0.965951, -1.096269), alpha);
+        let p3 = cubic(vec4f(-0.368986, -1.808482, -0.927123, 3.219062), alpha);
+        let p4 = cubic(vec4f(0.166463, 1.352936, 2.680698, -4.121448), alpha);
         let p = p0 + t * (p1 + t * (p2 + t * (p3 + t * p4)));
-        let q1 = -2.161_096 - 1.171_106 * alpha;
-        let q2 = 1.413_042 + 0.650_708 * alpha;
-        let q = 1.0 + 0.332_965 * alpha + t * (q1 + t * q2);
+        let q1 = -2.161096 - 1.171106 * alpha;
+        let q2 = 1.413042 + 0.650708 * alpha;
+        let q = 1.0 + 0.332965 * alpha + t * (q1 + t * q2);
         unit(1.0 - (1.0 - t) * p / q)
     }
 
@@ -53,10 +53,13 @@ pub mod code {
         for i in 0..ALBEDO_CELLS {
             #[wgsl_allow(non_literal_loop_bounds)]
             for j in 0..ALBEDO_CELLS {
-                // Every second ring is turned by half a cell.
+                // Rings lie closer towards the tail of the distribution, where light is lost; every
+                // second one is turned by half a cell.
+                let rest = 1.0 - (f32(j) + 0.5) * step;
                 let turn = 0.25 + 0.5 * f32(j % 2);
-                let u = vec2f((f32(i) + turn) * step, (f32(j) + 0.5) * step);
-                sum += ggx_normal_albedo(lobe, wo, ggx_sample_normal(lobe.alpha, wo, 1.0, u));
+                let u = vec2f((f32(i) + turn) * step, 1.0 - rest * rest);
+                let normal = ggx_sample_normal(lobe.alpha, wo, 1.0, u);
+                sum += 2.0 * rest * ggx_normal_albedo(lobe, wo, normal);
             }
         }
         unit(sum * step * step)

@@ -163,7 +163,8 @@ impl Kind {
             }
             Kind::DiffuseTransmission => {
                 let tree = Tree::DiffuseTransmission { tint: WHITE };
-                add(list, "diffuse transmission", tree, point(1.0, 1.5, 0), true);
+                // Between different media Lambert's law on both sides would not be reciprocal.
+                add(list, "diffuse transmission", tree, point(1.0, 1.0, 0), true);
             }
             Kind::Specular => {
                 for (mode, name) in MODES {
@@ -272,8 +273,11 @@ fn layer_cases(list: &mut Vec<Case>) {
         Tree::Specular { tint: WHITE, mode: ScatterMode::Reflect },
         ggx(0.3, 0.3, ScatterMode::ReflectTransmit),
     );
-    add(list, "fresnel layer over rough glass", glass.clone(), air, false);
-    add(list, "fresnel layer under rough glass", glass, inside, false);
+    for (name, point) in [("over", air), ("under", inside)] {
+        add(list, &format!("fresnel layer {name} rough glass"), glass.clone(), point, false);
+        // The layer's curve is looked up on both sides of the glass with the angle there.
+        list.last_mut().expect("just added").reciprocal = false;
+    }
     let mix = layer(
         Curve::Constant,
         0.3,
@@ -287,7 +291,7 @@ fn layer_cases(list: &mut Vec<Case>) {
             diffuse(0.0),
         ),
     );
-    add(list, "mix of mixes", mix, air, true);
+    add(list, "mix of mixes", mix, point(1.0, 1.0, 0), true);
     add(list, "deep chain", chain(12), air, false);
 }
 

@@ -3,7 +3,7 @@
 
 use crate::cases::{Case, cases, views};
 use crate::math::{Random, chi_square_tail};
-use crate::sphere::{BINS, Bins};
+use crate::sphere::{BINS, Bins, COUNTS};
 use layered_bsdf::prelude::*;
 
 /// Samples per case and view.
@@ -29,7 +29,7 @@ fn check(case: &Case, view: usize) -> Outcome {
     let eta = if case.point.flags & POINT_THIN_WALLED != 0 { 1.0 } else { eta };
     let bins = Bins::new(wo, eta);
     let mut setup = case.setup();
-    let expected = bins.integrate(|wi| [f64::from(setup.eval(wo, wi).pdf)]);
+    let expected = bins.integrate(COUNTS, |wi| [f64::from(setup.eval(wo, wi).pdf)]);
     let mut observed = vec![0u32; BINS];
     let mut random = Random::new(view as u64 + 17);
     let mut hits = 0u32;
@@ -106,7 +106,7 @@ fn chi_square_detects_a_wrong_density() {
     wide.params.v[4] = 0.105;
     let wo = views()[1];
     let bins = Bins::new(wo, 1.5);
-    let expected = bins.integrate(|wi| [f64::from(wide.eval(wo, wi).pdf)]);
+    let expected = bins.integrate(COUNTS, |wi| [f64::from(wide.eval(wo, wi).pdf)]);
     let mut observed = vec![0u32; BINS];
     let mut random = Random::new(1);
     for _ in 0..SAMPLES {

@@ -10,13 +10,24 @@ const RINGS: usize = 26;
 const SECTORS: usize = 20;
 /// Angle where the logarithmic scale starts: below the width of the narrowest lobe tested.
 const CORE: f64 = 1e-4;
-/// Accuracy that the integral over a cell is refined to, in units of the whole.
-const TOLERANCE: f64 = 2e-8;
-/// Refinements without a question, so that a narrow ridge is not missed, and at most.
-const DEPTHS: (u32, u32) = (2, 12);
+/// How far the integral over a bin is refined.
+#[derive(Clone, Copy)]
+pub struct Accuracy {
+    /// Difference that ends the refinement of a cell.
+    tolerance: f64,
+    /// Refinements without a question, so that a narrow ridge is not missed.
+    least: u32,
+    /// Refinements along the plane of the surface.
+    cut: u32,
+}
 
-/// Refinements along the plane of the surface.
-const CUT_DEPTH: u32 = 6;
+/// For counts of a million: an error of a hundredth of a count.
+pub const COUNTS: Accuracy = Accuracy { tolerance: 2e-8, least: 2, cut: 6 };
+/// For energies: an error of 1e-4 in total.
+pub const ENERGY: Accuracy = Accuracy { tolerance: 1e-6, least: 1, cut: 4 };
+
+/// Most refinements.
+const DEEPEST: u32 = 12;
 
 /// Number of bins.
 pub const BINS: usize = 2 * RINGS * SECTORS;
@@ -53,7 +64,11 @@ impl Bins {
     }
 
     /// The integral of `f` over each bin.
-    pub fn integrate<const N: usize>(&self, mut f: impl FnMut(Vec3f) -> [f64; N]) -> Vec<[f64; N]> {
+    pub fn integrate<const N: usize>(
+        &self,
+        accuracy: Accuracy,
+        mut f: impl FnMut(Vec3f) -> [f64; N],
+    ) -> Vec<[f64; N]> {
         let mut result = Vec::with_capacity(BINS);
         for side in 0..2 {
             for ring in 0..RINGS {
@@ -86,7 +101,7 @@ impl Bins {
                     };
                     let cell = [low, high, azimuth(sector), azimuth(sector + 1)];
                     let whole = gauss(&mut g, cell);
-                    result.push(refine(&mut g, &cut, cell, whole, 0));
+                    result.push(refine(&mut g, &cut, accuracy, cell, whole, 0));
                 }
             }
         }
@@ -118,6 +133,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 fn refine<const N: usize>(
     f: &mut impl FnMut(f64, f64) -> [f64; N],
     cut: &impl Fn([f64; 4]) -> bool,
+    accuracy: Accuracy,
     [a, b, c, d]: [f64; 4],
     whole: [f64; N],
     depth: u32,
@@ -126,14 +142,14 @@ fn refine<const N: usize>(
     let quarters = [[a, m, c, n], [m, b, c, n], [a, m, n, d], [m, b, n, d]];
     let parts = quarters.map(|quarter| gauss(f, quarter));
     let sum: [f64; N] = std::array::from_fn(|i| parts.iter().map(|part| part[i]).sum());
-    let close = (0..N).all(|i| (sum[i] - whole[i]).abs() < TOLERANCE);
-    let deep = depth >= DEPTHS.1 || (close && depth >= CUT_DEPTH);
-    if deep || (close && depth >= DEPTHS.0 && !cut([a, b, c, d])) {
+    let close = (0..N).all(|i| (sum[i] - whole[i]).abs() < accuracy.tolerance);
+    let deep = depth >= DEEPEST || (close && depth >= accuracy.cut);
+    if deep || (close && depth >= accuracy.least && !cut([a, b, c, d])) {
         return sum;
     }
     let mut total = [0.0; N];
     for (quarter, part) in quarters.into_iter().zip(parts) {
-        let refined = refine(f, cut, quarter, part, depth + 1);
+        let refined = refine(f, cut, accuracy, quarter, part, depth + 1);
         total.iter_mut().zip(refined).for_each(|(t, r)| *t += r);
     }
     total
@@ -157,7 +173,7 @@ fn gauss<const N: usize>(f: &mut impl FnMut(f64, f64) -> [f64; N], [a, b, c, d]:
 #[test]
 fn bins_cover_the_sphere_once() {
     let bins = Bins::new(crate::math::direction(0.3, 1.0), 1.5);
-    let areas = bins.integrate(|_| [1.0]);
+    let areas = bins.integrate(COUNTS, |_| [1.0]);
     let total: f64 = areas.iter().map(|area| area[0]).sum();
     assert!((total - 2.0 * TAU).abs() < 5e-5, "{total}");
     // The bin of a direction is the one whose integral sees it.
