@@ -1,0 +1,154 @@
+//! Ownership of generated code, and the calls into and out of it. All `unsafe` of this backend is here.
+//!
+//! What makes it sound: the lowering reads and writes only through addresses of the context, at offsets
+//! below those of the columns, tables and buffers that it is built from (`bind`), and limits every
+//! computed index; it is the only producer of the code that [`Code`] holds.
+
+use std::mem::ManuallyDrop;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+
+use cranelift_codegen::ir::{self, AbiParam, FuncRef, Signature, types};
+use cranelift_codegen::isa::OwnedTargetIsa;
+use cranelift_codegen::Context;
+use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_module::{FuncId, Linkage, Module};
+
+use super::bind::Columns;
+use crate::error::CompileError;
+use crate::externs::{Call, HostFunction};
+use crate::semantics::Native;
+
+/// `fn(context, begin, end) -> fault`.
+type Entry = extern "C" fn(*mut u64, u64, u64) -> u64;
+
+/// Generated code. Freed when dropped.
+pub struct Code {
+    entry: Entry,
+    size: usize,
+    /// Only touched when dropped; the lock makes it shareable.
+    module: Mutex<ManuallyDrop<JITModule>>,
+}
+
+impl std::fmt::Debug for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Code({} bytes)", self.size)
+    }
+}
+
+impl Drop for Code {
+    fn drop(&mut self) {
+        let module = self.module.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
+        // SAFETY: `drop` runs once and nothing uses `module` after it. No code of the module is
+        // running: calls borrow the `Code`, and `entry` does not leave it.
+        #[allow(unsafe_code, reason = "the module's memory is only freed by hand")]
+        unsafe {
+            ManuallyDrop::take(module).free_memory();
+        }
+    }
+}
+
+impl Code {
+    /// Bytes of machine code.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Computes the points between two byte offsets of the bound columns. Returns 0 or the number of a
+    /// fault.
+    pub fn call(&self, columns: &mut Columns<'_>, begin: usize, end: usize) -> u64 {
+        columns.check(begin, end);
+        (self.entry)(columns.context(), begin as u64, end as u64)
+    }
+}
+
+/// The signature of the entry.
+pub fn signature(isa: &OwnedTargetIsa) -> Signature {
+    let mut s = Signature::new(isa.default_call_conv());
+    s.params = vec![AbiParam::new(types::I64); 3];
+    s.returns = vec![AbiParam::new(types::I64)];
+    s
+}
+
+/// A JIT module with the host's functions declared.
+pub struct Builder {
+    module: JITModule,
+    host: FuncId,
+    native: FuncId,
+}
+
+fn failed(e: impl std::fmt::Display) -> CompileError {
+    CompileError::Codegen(e.to_string())
+}
+
+impl Builder {
+    pub fn new(isa: OwnedTargetIsa) -> Result<Self, CompileError> {
+        let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
+        builder.symbol("lacquer_host", call_host as *const u8);
+        builder.symbol("lacquer_native", call_native as *const u8);
+        let mut module = JITModule::new(builder);
+        let word = AbiParam::new(types::I32);
+        let pointer = AbiParam::new(types::I64);
+        let mut host = Signature::new(isa.default_call_conv());
+        host.params = vec![pointer, word, word, word, pointer];
+        host.returns = vec![word];
+        let mut native = Signature::new(isa.default_call_conv());
+        native.params = vec![word, word, pointer];
+        let host = module.declare_function("lacquer_host", Linkage::Import, &host).map_err(failed)?;
+        let native = module.declare_function("lacquer_native", Linkage::Import, &native).map_err(failed)?;
+        Ok(Self { module, host, native })
+    }
+
+    /// Makes the host's functions known to `func`.
+    pub fn import(&mut self, func: &mut ir::Function) -> [FuncRef; 2] {
+        [self.host, self.native].map(|id| self.module.declare_func_in_func(id, func))
+    }
+
+    /// Generates the code.
+    pub fn finish(mut self, context: &mut Context) -> Result<Code, CompileError> {
+        let id = self.module.declare_anonymous_function(&context.func.signature).map_err(failed)?;
+        self.module.define_function(id, context).map_err(|e| failed(format!("{e:?}")))?;
+        let size = context.compiled_code().map_or(0, |c| c.code_buffer().len());
+        self.module.finalize_definitions().map_err(failed)?;
+        let address = self.module.get_finalized_function(id);
+        // SAFETY: the address is that of a function just generated with this signature and the host's
+        // C calling convention.
+        #[allow(unsafe_code, reason = "generated code is called through a pointer")]
+        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+        Ok(Code { entry, size, module: Mutex::new(ManuallyDrop::new(self.module)) })
+    }
+}
+
+/// Called by generated code: host function `number` of `table` for the lanes of `mask`. `counts` has the
+/// number of argument leaves in its upper half and that of result leaves in its lower one; `rows` holds
+/// them in this order. Returns 0, or 1 if the function panicked.
+extern "C" fn call_host(
+    table: *const &dyn HostFunction,
+    number: u32,
+    mask: u32,
+    counts: u32,
+    rows: *mut [u32; 4],
+) -> u32 {
+    let (args, results) = ((counts >> 16) as usize, (counts & 0xffff) as usize);
+    // SAFETY: generated code passes the table of its context, which `bind` fills with one function per
+    // number, and a stack slot of as many rows as `counts` says.
+    #[allow(unsafe_code, reason = "the arguments are addresses in generated code")]
+    let (function, rows) = unsafe {
+        (*table.add(number as usize), std::slice::from_raw_parts_mut(rows, args + results))
+    };
+    let (args, results) = rows.split_at_mut(args);
+    let mask = std::array::from_fn(|lane| mask & (1 << lane) != 0);
+    let mut call = Call { args, results, mask };
+    u32::from(catch_unwind(AssertUnwindSafe(|| function.call(&mut call))).is_err())
+}
+
+/// Called by generated code: native function `number` of the first lanes of the rows, in place.
+extern "C" fn call_native(number: u32, lanes: u32, rows: *mut [u32; 4]) {
+    let fun = Native::ALL[number as usize];
+    // SAFETY: generated code passes a stack slot of two rows.
+    #[allow(unsafe_code, reason = "the argument is an address in generated code")]
+    let rows = unsafe { &mut *rows.cast::<[[u32; 4]; 2]>() };
+    for lane in 0..lanes as usize {
+        rows[0][lane] = fun.f32(u64::from(rows[0][lane]), u64::from(rows[1][lane])) as u32;
+    }
+}

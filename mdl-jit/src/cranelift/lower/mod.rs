@@ -1,0 +1,406 @@
+//! Lowers a naga function to one Cranelift function that computes four points at a time.
+//!
+//! **Values.** A value is the list of its leaves; each leaf is a scalar register if it is the same in
+//! all lanes (*uniform*) and a vector otherwise ([`emit`](super::emit)). Functions are inlined: naga has
+//! no recursion. Local variables become Cranelift variables, one per leaf, which its front end turns
+//! into SSA; those with arrays that are indexed by computed numbers become stack slots ([`place`]).
+//!
+//! **Uniformity** is found by lowering. Every variable and result starts out uniform. A store of a
+//! varying value, or a store that not all lanes take part in, raises a flag ([`Flags`]); when a round of
+//! lowering has raised one, the function is lowered again with the flags kept. Flags are numbered in
+//! the order of lowering, which must not depend on them. Two to five rounds settle it.
+//!
+//! **Control flow.** A branch on a uniform condition is a real branch. A branch on a varying one lowers
+//! both sides under a mask, `exec`, and jumps over a side that no lane takes if that side is worth it
+//! ([`flow`]). Two things are known at each point and decide how stores and jumps are lowered: whether
+//! some lanes of the batch are inactive, and whether some of those will come back in the current
+//! function (*waiting*: at the end of an `if`, after the loop that they left). Only waiting lanes still
+//! need the function's own variables. After an early `return` of some lanes nobody waits, so what
+//! follows stays uniform and unmasked.
+//!
+//! Relies on: the module is validated. Does not: simplify expressions (Cranelift does), store to
+//! buffers, 64-bit kinds. Would break if: naga let a value be used outside the block that emits it.
+//! Cost: 60 to 150 µs a round for functions of some hundred expressions, less than code generation.
+
+mod expr;
+mod flow;
+mod kernel;
+mod place;
+
+use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, Value, types};
+use cranelift_frontend::Variable;
+use naga::Handle;
+
+pub use kernel::{Found, Imports, Job, lower};
+
+use self::flow::{Scope, State};
+use self::place::{Place, Root};
+use super::abi::Abi;
+use super::emit::{Data, Emit, V, lanes_type, scalar_type};
+use crate::error::Unsupported;
+use crate::plan::{Function, Plan};
+use crate::types::{Kind, TyId};
+
+/// Facts that rounds of lowering find out; all start as false and only ever become true.
+#[derive(Debug, Default)]
+pub struct Flags {
+    raised: Vec<bool>,
+    next: usize,
+    changed: bool,
+}
+
+impl Flags {
+    /// Begins a round. False if the last round raised nothing new.
+    pub fn begin(&mut self) -> bool {
+        let again = self.changed || self.next == 0;
+        (self.next, self.changed) = (0, false);
+        again
+    }
+
+    /// Numbers the next `n` facts.
+    fn take(&mut self, n: usize) -> usize {
+        let first = self.next;
+        self.next += n;
+        if self.raised.len() < self.next {
+            self.raised.resize(self.next, false);
+        }
+        first
+    }
+
+    fn get(&self, i: usize) -> bool {
+        self.raised[i]
+    }
+
+    fn raise(&mut self, i: usize) {
+        self.changed |= !self.raised[i];
+        self.raised[i] = true;
+    }
+}
+
+/// A value: leaves in the pool, or where a pointer points.
+#[derive(Clone, Copy, Debug)]
+pub enum Val {
+    Leaves { first: usize, len: usize },
+    Place(Place),
+}
+
+/// Something that ends a run.
+#[derive(Clone, Debug)]
+pub enum FaultSite {
+    /// A loop.
+    Steps { function: usize, span: Option<(u32, u32)> },
+    /// A host function, by its number among those that the kernel calls.
+    Host { index: usize },
+}
+
+/// A variable, with one storage decision per class of leaves.
+struct Var {
+    /// The frame whose lanes need it.
+    frame: usize,
+    kinds: Vec<Kind>,
+    classes: Vec<u32>,
+    /// The first of the flags: does this class vary?
+    flags: usize,
+    store: Store,
+}
+
+enum Store {
+    /// A Cranelift variable per leaf.
+    Leaves(Vec<Variable>),
+    /// A stack slot with sixteen bytes per leaf.
+    Slot(cranelift_codegen::ir::StackSlot),
+}
+
+/// A function being inlined.
+struct Frame<'a> {
+    index: usize,
+    function: &'a Function,
+    values: Vec<Option<Val>>,
+    args: Vec<Val>,
+    locals: Vec<usize>,
+    result: Vec<(Variable, usize, Kind)>,
+    /// The result of a function that only returns at its end.
+    direct: Option<Val>,
+    scopes: Vec<Scope>,
+    /// Whether some lanes have returned while others go on.
+    returned: bool,
+    exit: Option<Block>,
+}
+
+/// The state of lowering.
+pub struct Lower<'a, 'f> {
+    plan: &'a Plan<'a>,
+    e: Emit<'f>,
+    flags: &'a mut Flags,
+    abi: &'a Abi,
+    /// One lane: nothing varies.
+    single: bool,
+    frames: Vec<Frame<'a>>,
+    pool: Vec<V>,
+    vars: Vec<Var>,
+    /// The lanes that are active.
+    exec: Variable,
+    /// How often `exec` was assigned.
+    exec_changes: usize,
+    steps: Variable,
+    context: Value,
+    /// Byte offset of the group's points in their columns.
+    offset: Value,
+    host: FuncRef,
+    constants: &'a mut Vec<u32>,
+    faults: Vec<FaultSite>,
+    host_names: Vec<usize>,
+    privates: Vec<Option<usize>>,
+    /// Whether the current block can be reached.
+    open: bool,
+    /// Per switch that is being lowered: the states at real jumps to its end.
+    left: Vec<Vec<State>>,
+    costs: Vec<Option<u32>>,
+    expressions: usize,
+    max_expressions: usize,
+    stack: usize,
+}
+
+/// Stack slots of more bytes than this together are refused.
+const MAX_STACK: usize = 256 << 10;
+
+type Lowered<T> = Result<T, Unsupported>;
+
+impl<'a> Lower<'a, '_> {
+    fn frame(&mut self) -> &mut Frame<'a> {
+        self.frames.last_mut().expect("lowering happens in a frame")
+    }
+
+    /// Keeps leaves as a value.
+    fn keep(&mut self, leaves: &[V]) -> Val {
+        let first = self.pool.len();
+        self.pool.extend_from_slice(leaves);
+        Val::Leaves { first, len: leaves.len() }
+    }
+
+    fn leaves(&self, v: Val) -> &[V] {
+        match v {
+            Val::Leaves { first, len } => &self.pool[first..first + len],
+            Val::Place(_) => unreachable!("validated code does not compute with pointers"),
+        }
+    }
+
+    /// The lanes that are active, as a mask.
+    fn exec_mask(&mut self) -> Value {
+        self.e.b.use_var(self.exec)
+    }
+
+    fn set_exec(&mut self, mask: Value) {
+        self.exec_changes += 1;
+        self.e.b.def_var(self.exec, mask);
+    }
+
+    /// Whether some lanes of frame `i`, or above it, are inactive.
+    fn some_inactive_from(&self, i: usize) -> bool {
+        self.frames[i..].iter().any(|f| f.returned || f.waiting())
+    }
+
+    /// Whether all lanes are active.
+    fn all_active(&self) -> bool {
+        !self.some_inactive_from(0)
+    }
+
+    /// Whether a store to a variable of frame `i` must spare inactive lanes: those that wait in that
+    /// frame, or that are inactive in a function it called.
+    fn must_mask(&self, i: usize) -> bool {
+        self.frames[i].waiting() || self.some_inactive_from(i + 1)
+    }
+
+    fn variable(&mut self, kind: Kind, varying: bool) -> Variable {
+        self.e.b.declare_var(if varying { lanes_type(kind) } else { scalar_type(kind) })
+    }
+
+    fn new_var(&mut self, frame: usize, ty: TyId, indexed: bool) -> Lowered<usize> {
+        let kinds = self.plan.types.kinds(ty)?;
+        let classes = self.plan.types.classes(ty)?;
+        let flags = self.flags.take(self.plan.types[ty].classes as usize);
+        let arrays = self.plan.types[ty].classes != self.plan.types[ty].leaves;
+        let store = if arrays && (indexed || kinds.len() > 64) {
+            Store::Slot(self.slot(16 * kinds.len())?)
+        } else {
+            let vars = kinds.iter().zip(&classes);
+            Store::Leaves(
+                vars.map(|(&kind, &class)| {
+                    let varying = self.flags.get(flags + class as usize);
+                    self.variable(kind, varying)
+                })
+                .collect(),
+            )
+        };
+        self.vars.push(Var { frame, kinds, classes, flags, store });
+        Ok(self.vars.len() - 1)
+    }
+
+    fn slot(&mut self, bytes: usize) -> Lowered<cranelift_codegen::ir::StackSlot> {
+        use cranelift_codegen::ir::{StackSlotData, StackSlotKind};
+        self.stack += bytes;
+        if self.stack > MAX_STACK {
+            return Err(Unsupported::TooLarge);
+        }
+        let data = StackSlotData::new(StackSlotKind::ExplicitSlot, bytes as u32, 4);
+        Ok(self.e.b.create_sized_stack_slot(data))
+    }
+
+    /// Gives a fresh variable its initial value, or zero. If nothing can see it, memory is left alone.
+    fn initialise(&mut self, var: usize, init: Option<&[u64]>, seen: bool) {
+        if !seen && matches!(self.vars[var].store, Store::Slot(_)) {
+            return;
+        }
+        for leaf in 0..self.vars[var].kinds.len() {
+            let kind = self.vars[var].kinds[leaf];
+            let v = Emit::known(kind, init.map_or(0, |bits| bits[leaf] as u32));
+            self.put(var, leaf as u32, v);
+        }
+    }
+
+    /// Inlines a call. The result is `None` for functions without one.
+    fn call(&mut self, callee: Handle<naga::Function>, args: Vec<Val>) -> Lowered<Option<Val>> {
+        let function = self.plan.get(callee);
+        self.expressions += function.nodes.len();
+        if self.expressions > self.max_expressions {
+            return Err(Unsupported::Inlining(self.expressions));
+        }
+        let (before, changes, open) = (self.all_active(), self.exec_changes, self.open);
+        let entry = if self.single { None } else { Some(self.exec_mask()) };
+        self.enter(callee, function, args)?;
+        self.body(&self.plan.module.functions[callee].body)?;
+        let frame = self.frames.pop().expect("the frame that was entered");
+        if let Some(exit) = frame.exit {
+            self.e.b.ins().jump(exit, &[]);
+            self.e.b.switch_to_block(exit);
+            self.e.b.seal_block(exit);
+        }
+        self.open = open;
+        if let Some(mask) = entry
+            && self.exec_changes != changes
+        {
+            let mask = if before { self.e.all_lanes() } else { mask };
+            self.set_exec(mask);
+        }
+        if function.result.is_none() {
+            return Ok(None);
+        }
+        if let (Some(value), false, None) = (frame.direct, frame.returned, frame.exit) {
+            return Ok(Some(value));
+        }
+        let mut leaves = Vec::new();
+        for (variable, flag, kind) in frame.result {
+            let value = self.e.b.use_var(variable);
+            let varying = self.flags.get(flag);
+            leaves.push(V { kind, data: if varying { Data::Varying(value) } else { Data::Uniform(value) } });
+        }
+        Ok(Some(self.keep(&leaves)))
+    }
+
+    fn enter(&mut self, callee: Handle<naga::Function>, function: &'a Function, args: Vec<Val>) -> Lowered<()> {
+        let depth = self.frames.len();
+        let mut result = Vec::new();
+        for kind in function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))? {
+            let flag = self.flags.take(1);
+            let varying = self.flags.get(flag);
+            result.push((self.variable(kind, varying), flag, kind));
+        }
+        let mut locals = Vec::new();
+        for local in &function.locals {
+            locals.push(self.new_var(depth, local.ty, local.indexed)?);
+        }
+        self.frames.push(Frame {
+            index: callee.index(),
+            function,
+            values: vec![None; function.nodes.len()],
+            args,
+            locals: locals.clone(),
+            result,
+            direct: None,
+            scopes: Vec::new(),
+            returned: false,
+            exit: None,
+        });
+        for (var, local) in locals.into_iter().zip(&function.locals) {
+            self.initialise(var, local.init.as_deref(), local.starts);
+        }
+        Ok(())
+    }
+
+    /// Calls a function of the host for the active lanes.
+    fn call_host(&mut self, callee: Handle<naga::Function>, args: Vec<Val>) -> Lowered<Option<Val>> {
+        let function = self.plan.get(callee);
+        let kinds = function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))?;
+        let leaves: Vec<V> = args.iter().flat_map(|&a| self.leaves(a).to_vec()).collect();
+        let varying = leaves.iter().any(|v| v.is_varying());
+        let rows = self.slot(16 * (leaves.len() + kinds.len()).max(1))?;
+        let address = self.e.b.ins().stack_addr(types::I64, rows, 0);
+        for (i, &v) in leaves.iter().enumerate() {
+            // Truth values are passed as masks in any case.
+            let x = if varying || v.kind == Kind::Bool { self.e.lanes(v) } else { self.e.scalar(v) };
+            self.e.b.ins().store(super::emit::memory(), x, address, 16 * i as i32);
+        }
+        let mask = if !varying {
+            self.e.b.ins().iconst(types::I32, 1)
+        } else if self.all_active() {
+            self.e.b.ins().iconst(types::I32, 15)
+        } else {
+            let exec = self.exec_mask();
+            self.e.b.ins().vhigh_bits(types::I32, exec)
+        };
+        let index = self.host_names.iter().position(|&n| n == callee.index()).unwrap_or_else(|| {
+            self.host_names.push(callee.index());
+            self.host_names.len() - 1
+        });
+        let table = self.context_word(super::abi::HOST);
+        let number = self.e.b.ins().iconst(types::I32, index as i64);
+        let counts = self.e.b.ins().iconst(types::I32, ((leaves.len() << 16) | kinds.len()) as i64);
+        let call = self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
+        let status = self.e.b.inst_results(call)[0];
+        self.fault_if(status, FaultSite::Host { index });
+        let mut out = Vec::new();
+        for (i, kind) in kinds.into_iter().enumerate() {
+            let at = 16 * (leaves.len() + i) as i32;
+            let ty = match (varying, kind) {
+                (true, _) => lanes_type(kind),
+                (false, Kind::Bool) => types::I32,
+                (false, _) => scalar_type(kind),
+            };
+            let mut x = self.e.b.ins().load(ty, super::emit::memory(), address, at);
+            if kind == Kind::Bool {
+                let zero = if varying { self.e.vector_const(ty, 0) } else { self.e.b.ins().iconst(ty, 0) };
+                x = self.e.b.ins().icmp(cranelift_codegen::ir::condcodes::IntCC::NotEqual, x, zero);
+            }
+            out.push(V { kind, data: if varying { Data::Varying(x) } else { Data::Uniform(x) } });
+        }
+        Ok(function.result.map(|_| self.keep(&out)))
+    }
+
+    /// Ends the run with a fault where `condition`, a scalar, is not zero.
+    fn fault_if(&mut self, condition: Value, site: FaultSite) {
+        self.faults.push(site);
+        let (fault, go_on) = (self.e.b.create_block(), self.e.b.create_block());
+        self.e.b.set_cold_block(fault);
+        self.e.b.ins().brif(condition, fault, &[], go_on, &[]);
+        self.e.b.seal_block(fault);
+        self.e.b.seal_block(go_on);
+        self.e.b.switch_to_block(fault);
+        let at = 8 * super::abi::FAULT as i32;
+        self.e.b.ins().store(super::emit::memory(), self.offset, self.context, at);
+        let number = self.e.long(self.faults.len() as i64);
+        self.e.b.ins().return_(&[number]);
+        self.e.b.switch_to_block(go_on);
+    }
+
+    /// A word of the context.
+    fn context_word(&mut self, word: usize) -> Value {
+        let at = 8 * word as i32;
+        self.e.b.ins().load(types::I64, super::emit::fixed_memory(), self.context, at)
+    }
+
+    /// A pointer to a private variable of the module or to a buffer.
+    fn global(&self, index: usize) -> Place {
+        let root = self.privates[index].map_or(Root::Buffer(index), Root::Var);
+        Place { root, at: 0, step: None }
+    }
+}

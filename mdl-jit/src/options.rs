@@ -1,0 +1,67 @@
+//! How functions are compiled.
+
+/// How many points one pass of compiled code computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Lanes {
+    /// One: for code whose points go different ways.
+    One,
+    /// Four, under a mask where they diverge.
+    #[default]
+    Four,
+}
+
+/// How much work the code generator puts into the code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tier {
+    /// A single pass of register allocation, no optimisation: first code soon.
+    Fast,
+    /// Optimised code.
+    #[default]
+    Optimised,
+}
+
+/// Which instructions may be used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// Those of the machine, found at run time.
+    #[default]
+    Host,
+    /// x86-64 with SSE4.1 and no more; on other machines the same as `Host`.
+    Sse41,
+    /// The least of the architecture: SSE2 on x86-64.
+    Baseline,
+}
+
+/// How functions are compiled and run.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Options {
+    /// Names of functions that the host supplies at each run, instead of their bodies.
+    pub externs: Vec<String>,
+    /// Loop iterations and calls per point after which a run ends with a fault. Compiled code counts
+    /// the iterations of a group of lanes together and does not count calls.
+    pub steps: u32,
+    /// Points per pass.
+    pub lanes: Lanes,
+    /// Effort.
+    pub tier: Tier,
+    /// Instruction set.
+    pub target: Target,
+    /// Runs the code generator's verifier; meant for tests.
+    pub verify: bool,
+    /// Expressions after inlining beyond which compilation is refused.
+    pub max_expressions: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            externs: Vec::new(),
+            steps: 1 << 20,
+            lanes: Lanes::default(),
+            tier: Tier::default(),
+            target: Target::default(),
+            verify: cfg!(debug_assertions),
+            max_expressions: 200_000,
+        }
+    }
+}
