@@ -49,7 +49,8 @@ impl Executor<'_> {
             Self::Cpu => Kernel::compile(module, info, function, signature, options)?.run(batch)?,
             #[cfg(feature = "gpu_later")]
             Self::Gpu(context) => {
-                crate::gpu::Kernel::compile(context, module, info, function, signature, options)?.run(batch)?;
+                crate::gpu::Kernel::compile(context, module, info, function, signature, options)?
+                    .run(batch)?;
             }
             #[cfg(not(feature = "gpu_later"))]
             Self::None(never, _) => match *never {},

@@ -15,6 +15,7 @@ pub mod executor;
 pub mod externs;
 pub mod interp;
 pub mod material;
+pub mod mdl;
 pub mod options;
 pub mod plan;
 pub mod semantics;

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub enum Part {
     /// One output: the cutout opacity.
     Cutout,
-    /// Three outputs: the shading normal in world space, any length.
+    /// Three outputs: the shading normal in world space, any length. None where it is the geometry's.
     Normal,
     /// Index of refraction (three), then the slots of the front's BSDF.
     Surface,
@@ -212,7 +212,7 @@ impl Material {
 
     /// Whether the material changes the shading normal.
     pub fn has_normal(&self) -> bool {
-        !self.inputs(Part::Normal).is_uniform()
+        !self.inputs(Part::Normal).uniform.is_empty()
     }
 
     /// Whether either side emits.
