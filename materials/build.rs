@@ -12,7 +12,8 @@ fn main() {
     let mut code = String::from("static MODULES: &[Module] = &[\n");
     for (folder, package) in PACKAGES {
         println!("cargo::rerun-if-changed={folder}");
-        let entries = std::fs::read_dir(Path::new(&root).join(folder)).expect("the package is part of the crate");
+        let entries =
+            std::fs::read_dir(Path::new(&root).join(folder)).expect("the package is part of the crate");
         let mut files: Vec<_> = entries.map(|entry| entry.expect("the folder is readable").path()).collect();
         files.retain(|path| path.extension().is_some_and(|extension| extension == "mdl"));
         files.sort();

@@ -477,10 +477,8 @@ fn schlick_weight(c: f32, exponent: f32) -> f32 {
     return math_pow(m, exponent);
 }
 
-fn half_cosine(n: vec3f, wo: vec3f, wi: vec3f) -> f32 {
-    let no = dot(n, wo);
-    let ni = dot(n, wi);
-    let product = (dot(wo, wi) - select(0.0, ((2.0 * no) * ni), ((no * ni) < 0.0)));
+fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
+    let product = (oi - min(((2.0 * no) * ni), 0.0));
     return sqrt(unit((0.5 + (0.5 * product))));
 }
 const MAX_NODES: u32 = 64u;
@@ -536,17 +534,23 @@ struct ShadingPoint {
     geometry_normal: vec3f,
     ior_near: vec3f,
     ior_far: vec3f,
+    near: f32,
+    far: f32,
+    eta: f32,
     flags: u32
 }
 const POINT_THIN_WALLED: u32 = 1u;
 const POINT_INSIDE: u32 = 2u;
 
-fn point_eta(point: ShadingPoint) -> f32 {
-    return (mean3(point.ior_far) / mean3(point.ior_near));
+fn shading_point(geometry_normal: vec3f, ior_near: vec3f, ior_far: vec3f, flags: u32) -> ShadingPoint {
+    let near = mean3(ior_near);
+    let far = mean3(ior_far);
+    return ShadingPoint(geometry_normal, ior_near, ior_far, near, far, sane_eta((far / near)), flags);
 }
 
 fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
-    return sane_eta(select((ior / near), (far / ior), ((flags & POINT_INSIDE) != 0u)));
+    let inside = ((flags & POINT_INSIDE) != 0u);
+    return sane_eta((select(ior, far, inside) / select(near, ior, inside)));
 }
 
 fn schlick_curve(normal: vec3f, grazing: vec3f, exponent: f32, c: f32) -> vec3f {
@@ -568,36 +572,68 @@ fn f82_curve(
     return unit3((plain - ((at_82 * (splat3(1.0) - unit3(f82))) * bump)));
 }
 
-fn layer_curve(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+struct LayerCurve {
+    seen: vec3f,
+    lit: vec3f,
+    half: vec3f,
+    front: vec3f
+}
+
+fn color_coating_eta(ior: vec3f, point: ShadingPoint) -> vec3f {
+    return vec3f(coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags), coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags), coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags));
+}
+
+fn color_fresnel(c: f32, eta: vec3f) -> vec3f {
+    return vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z));
+}
+
+fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
+    let normal = param3(p, slot);
+    let grazing = param3(p, (slot + 3u));
+    let exponent = param(p, (slot + 6u));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        return f82_curve(normal, grazing, param3(p, (slot + 7u)), exponent, c);
+    }
+    return schlick_curve(normal, grazing, exponent, c);
+}
+
+fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
     let op = (n.x & OP_MASK);
     let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
     let slot = (n.y + SLOT_LAYER_CURVE);
     if (op == OP_FRESNEL_LAYER) {
-        let eta = coating_eta(param(p, slot), mean3(point.ior_near), mean3(point.ior_far), point.flags);
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
         return (weight * fresnel_dielectric(c, eta));
     }
     if (op == OP_COLOR_FRESNEL_LAYER) {
-        let ior = param3(p, slot);
-        return (weight * vec3f(fresnel_dielectric(c, coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags)), fresnel_dielectric(c, coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags)), fresnel_dielectric(c, coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags))));
+        return (weight * color_fresnel(c, color_coating_eta(param3(p, slot), point)));
     }
     if (op == OP_CUSTOM_CURVE_LAYER) {
-        let normal = param3(p, slot);
-        let grazing = param3(p, (slot + 3u));
-        let exponent = param(p, (slot + 6u));
-        if ((n.x & FLAG_COLOR) != 0u) {
-            return (weight * f82_curve(normal, grazing, param3(p, (slot + 7u)), exponent, c));
-        }
-        return (weight * schlick_curve(normal, grazing, exponent, c));
+        return (weight * node_schlick(n, p, slot, c));
     }
     return weight;
 }
 
-fn layer_curve_floor(n: vec4u, p: ptr<function, Params>) -> vec3f {
-    if ((n.x & OP_MASK) != OP_CUSTOM_CURVE_LAYER) {
-        return splat3(0.0);
-    }
+fn layer_curve(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    seen: f32,
+    lit: f32,
+    half: f32,
+) -> LayerCurve {
+    let op = (n.x & OP_MASK);
     let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-    return (weight * unit3(param3(p, (n.y + SLOT_LAYER_CURVE))));
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        let eta = color_coating_eta(param3(p, slot), point);
+        return LayerCurve((weight * color_fresnel(seen, eta)), (weight * color_fresnel(lit, eta)), (weight * color_fresnel(half, eta)), splat3(0.0));
+    }
+    return LayerCurve((weight * node_schlick(n, p, slot, seen)), (weight * node_schlick(n, p, slot, lit)), (weight * node_schlick(n, p, slot, half)), (weight * unit3(param3(p, slot))));
 }
 
 fn layer_normal_slot(n: vec4u) -> u32 {
@@ -982,7 +1018,7 @@ struct Visit {
     node: u32,
     weight: vec3f,
     prob: f32,
-    normal: vec3f
+    normal: u32
 }
 
 struct LayerSplit {
@@ -991,6 +1027,7 @@ struct LayerSplit {
     prob: f32
 }
 const NO_NODE: u32 = 4294967295u;
+const NO_SLOT: u32 = 4294967295u;
 const LAYER_FLOOR: f32 = 0.04;
 
 fn layer_child(n: vec4u, index: u32) -> u32 {
@@ -1016,14 +1053,22 @@ fn visit_later(n: vec4u, layer: Visit, base: Visit) -> Visit {
 }
 
 fn visit_root() -> Visit {
-    return Visit(0u, splat3(1.0), 1.0, vec3f(0.0, 0.0, 1.0));
+    return Visit(0u, splat3(1.0), 1.0, NO_SLOT);
 }
 
-fn layer_normal(n: vec4u, p: ptr<function, Params>, inherited: vec3f) -> vec3f {
+fn layer_normal(n: vec4u, inherited: u32) -> u32 {
     if ((n.x & FLAG_VECTOR) == 0u) {
         return inherited;
     }
-    let own = normalize_or(param3(p, layer_normal_slot(n)), inherited);
+    return layer_normal_slot(n);
+}
+
+fn normal_at(p: ptr<function, Params>, slot: u32) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    if (slot == NO_SLOT) {
+        return up;
+    }
+    let own = normalize_or(param3(p, slot), up);
     return (own * select(-1.0, 1.0, (own.z >= 0.0)));
 }
 
@@ -1043,24 +1088,29 @@ fn layer_split(
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
-    normal: vec3f,
+    normal: u32,
     wo: vec3f,
     wi: vec3f,
 ) -> LayerSplit {
-    let seen = layer_curve(n, p, point, unit(abs(dot(normal, wo))));
-    let prob = layer_probability(n, p, seen);
     if ((n.x & OP_MASK) == OP_WEIGHTED_LAYER) {
-        return LayerSplit(seen, (splat3(1.0) - seen), prob);
+        let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+        let prob = layer_probability(n, p, weight);
+        return LayerSplit(weight, (splat3(1.0) - weight), prob);
     }
-    let lit = layer_curve(n, p, point, unit(abs(dot(normal, wi))));
-    let at_half = layer_curve(n, p, point, half_cosine(normal, wo, wi));
-    return LayerSplit(at_half, (splat3(1.0) - max(max(seen, lit), layer_curve_floor(n, p))), prob);
+    let z = normal_at(p, normal);
+    let no = dot(z, wo);
+    let ni = dot(z, wi);
+    let half = half_cosine(no, ni, dot(wo, wi));
+    let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+    let prob = layer_probability(n, p, curve.seen);
+    let most = max(max(curve.seen, curve.lit), curve.front);
+    return LayerSplit(curve.half, (splat3(1.0) - most), prob);
 }
 
 fn modifier_factor(
     n: vec4u,
     p: ptr<function, Params>,
-    normal: vec3f,
+    normal: u32,
     wo: vec3f,
     wi: vec3f,
     transmits: bool,
@@ -1074,7 +1124,8 @@ fn modifier_factor(
         let s = param3(p, (n.y + SLOT_TINT));
         return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
     }
-    let c = half_cosine(normal, wo, wi);
+    let z = normal_at(p, normal);
+    let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
     let at_normal = param3(p, (n.y + SLOT_TINT));
     let at_grazing = param3(p, (n.y + SLOT_FACTOR_GRAZING));
     let exponent = param(p, (n.y + SLOT_FACTOR_EXPONENT));
@@ -1085,15 +1136,19 @@ fn modifier_factor(
 }
 
 fn node_ggx(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Ggx {
-    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), point_eta(point));
+    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), point.eta);
 }
 
-fn node_frame(n: vec4u, p: ptr<function, Params>, normal: vec3f) -> Frame {
-    let op = (n.x & OP_MASK);
-    if ((op == OP_GGX_SMITH) && ((n.x & FLAG_VECTOR) != 0u)) {
-        return frame_from_normal_tangent(normal, param3(p, (n.y + SLOT_GLOSSY_TANGENT)));
+fn node_is_turned(n: vec4u, normal: u32) -> bool {
+    return ((normal != NO_SLOT) || ((n.x & FLAG_VECTOR) != 0u));
+}
+
+fn node_frame(n: vec4u, p: ptr<function, Params>, normal: u32) -> Frame {
+    let z = normal_at(p, normal);
+    if ((n.x & FLAG_VECTOR) != 0u) {
+        return frame_from_normal_tangent(z, param3(p, (n.y + SLOT_GLOSSY_TANGENT)));
     }
-    return frame_from_normal(normal);
+    return frame_from_normal(z);
 }
 
 fn bsdf_node(program: ptr<function, Program>, index: u32) -> vec4u {
@@ -1120,7 +1175,7 @@ fn bsdf_visit(
         let op = (n.x & OP_MASK);
         if (op >= OP_WEIGHTED_LAYER) {
             let inherited = visit.normal;
-            let own = layer_normal(n, p, inherited);
+            let own = layer_normal(n, inherited);
             let split = layer_split(n, p, point, own, wo, wi);
             let layer = Visit(layer_child(n, visit.node), (visit.weight * split.layer), (visit.prob * split.prob), own);
             let base = Visit(base_child(n, visit.node), (visit.weight * split.base), (visit.prob * (1.0 - split.prob)), inherited);
@@ -1152,7 +1207,7 @@ fn leaf_eval(
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
-    normal: vec3f,
+    normal: u32,
     wo: vec3f,
     wi: vec3f,
     transmits: bool,
@@ -1165,7 +1220,7 @@ fn leaf_eval(
     }
     var o: vec3f = wo;
     var i: vec3f = wi;
-    if ((normal.z < 1.0) || ((n.x & FLAG_VECTOR) != 0u)) {
+    if node_is_turned(n, normal) {
         let frame = node_frame(n, p, normal);
         o = frame_to_local(frame, wo);
         i = frame_to_local(frame, wi);
@@ -1198,14 +1253,14 @@ fn leaf_sample(
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
-    normal: vec3f,
+    normal: u32,
     wo: vec3f,
     u: vec3f,
 ) -> LobeSample {
     let op = (n.x & OP_MASK);
     var frame: Frame = Frame(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
     var o: vec3f = wo;
-    let turned = ((normal.z < 1.0) || ((n.x & FLAG_VECTOR) != 0u));
+    let turned = node_is_turned(n, normal);
     if turned {
         frame = node_frame(n, p, normal);
         o = frame_to_local(frame, wo);
@@ -1220,7 +1275,7 @@ fn leaf_sample(
         s = diffuse_transmission_sample(u.xy);
     } else if (op == OP_SPECULAR) {
         let thin = ((point.flags & POINT_THIN_WALLED) != 0u);
-        s = specular_sample(n.w, thin, sane_eta(point_eta(point)), o, u.z);
+        s = specular_sample(n.w, thin, point.eta, o, u.z);
     } else if (op == OP_GGX_SMITH) {
         s = ggx_sample(node_ggx(n, p, point), o, u.xy, u.z);
     }
@@ -1284,7 +1339,7 @@ fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>,
         let n = bsdf_node(program, visit.node);
         let op = (n.x & OP_MASK);
         if (op >= OP_WEIGHTED_LAYER) {
-            let own = layer_normal(n, p, visit.normal);
+            let own = layer_normal(n, visit.normal);
             let share = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
             let layer = Visit(layer_child(n, visit.node), (visit.weight * share), 1.0, own);
             let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - share)), 1.0, visit.normal);
@@ -1312,7 +1367,7 @@ fn leaf_albedo(
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
-    normal: vec3f,
+    normal: u32,
     wo: vec3f,
 ) -> BsdfAlbedo {
     var result: BsdfAlbedo = BsdfAlbedo(splat3(0.0), splat3(0.0));
@@ -1354,14 +1409,15 @@ fn bsdf_sample(
 ) -> BsdfSample {
     var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, splat3(0.0), EVENT_ABSORB);
     var node: u32 = 0u;
-    var normal: vec3f = vec3f(0.0, 0.0, 1.0);
+    var normal: u32 = NO_SLOT;
     var prob: f32 = 1.0;
     var uz: f32 = u.z;
     var n: vec4u = bsdf_node(program, node);
     while ((n.x & OP_MASK) >= OP_TINT) {
         if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
-            let own = layer_normal(n, p, normal);
-            let seen = layer_curve(n, p, point, unit(abs(dot(own, wo))));
+            let own = layer_normal(n, normal);
+            let z = normal_at(p, own);
+            let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
             let q = layer_probability(n, p, seen);
             let layer = (uz < q);
             uz = reuse_random(uz, q, layer);

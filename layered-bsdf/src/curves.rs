@@ -15,10 +15,16 @@ pub mod code {
     pub struct ShadingPoint {
         /// Geometric normal on the side of `wo`, in the local frame, unit length.
         pub geometry_normal: Vec3f,
-        /// Index of refraction on the side of `wo`.
+        /// Index of refraction on the side of `wo`, per colour channel.
         pub ior_near: Vec3f,
-        /// Index of refraction on the other side.
+        /// Index of refraction on the other side, per colour channel.
         pub ior_far: Vec3f,
+        /// Mean of `ior_near`.
+        pub near: f32,
+        /// Mean of `ior_far`.
+        pub far: f32,
+        /// `far / near`, within the range that the formulas are made for.
+        pub eta: f32,
         /// `POINT_*` bits.
         pub flags: u32,
     }
@@ -28,15 +34,23 @@ pub mod code {
     /// `wo` lies inside the volume that the surface bounds.
     pub const POINT_INSIDE: u32 = 2;
 
-    /// The index of the far side over that of the near side, colours averaged.
-    pub fn point_eta(point: ShadingPoint) -> f32 {
-        mean3(point.ior_far) / mean3(point.ior_near)
+    /// A shading point with its derived fields.
+    pub fn shading_point(
+        geometry_normal: Vec3f,
+        ior_near: Vec3f,
+        ior_far: Vec3f,
+        flags: u32,
+    ) -> ShadingPoint {
+        let near = mean3(ior_near);
+        let far = mean3(ior_far);
+        ShadingPoint { geometry_normal, ior_near, ior_far, near, far, eta: sane_eta(far / near), flags }
     }
 
     /// Index ratio at a coating of index `ior`: from outside the coating is the far side, from inside the
     /// near one.
     pub fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
-        sane_eta(select(ior / near, far / ior, (flags & POINT_INSIDE) != 0))
+        let inside = (flags & POINT_INSIDE) != 0;
+        sane_eta(select(ior, far, inside) / select(near, ior, inside))
     }
 
     /// Schlick's curve between the reflectances `normal` and `grazing`, limited to [0, 1].
@@ -56,43 +70,98 @@ pub mod code {
         unit3(plain - at_82 * (splat3(1.0) - unit3(f82)) * bump)
     }
 
-    /// The weight of the layer of node `n` at cosine `c`, a colour in [0, 1].
-    pub fn layer_curve(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint, c: f32) -> Vec3f {
+    /// The curve of a layer at three cosines, each a colour in [0, 1].
+    #[derive(Clone, Copy, Debug)]
+    pub struct LayerCurve {
+        /// Seen from `wo`.
+        pub seen: Vec3f,
+        /// Lit from `wi`.
+        pub lit: Vec3f,
+        /// At the half vector.
+        pub half: Vec3f,
+        /// At normal incidence where that can be the largest; else zero.
+        pub front: Vec3f,
+    }
+
+    /// The index ratios of a colour Fresnel layer.
+    pub fn color_coating_eta(ior: Vec3f, point: ShadingPoint) -> Vec3f {
+        vec3f(
+            coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags),
+            coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags),
+            coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags),
+        )
+    }
+
+    /// Dielectric reflectance per channel.
+    pub fn color_fresnel(c: f32, eta: Vec3f) -> Vec3f {
+        vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z))
+    }
+
+    /// Schlick's curve of node `n` whose own slots start at `slot`.
+    pub fn node_schlick(n: Vec4u, p: ptr!(function, Params), slot: u32, c: f32) -> Vec3f {
+        let normal = param3(p, slot);
+        let grazing = param3(p, slot + 3);
+        let exponent = param(p, slot + 6);
+        if (n.x & FLAG_COLOR) != 0 {
+            return f82_curve(normal, grazing, param3(p, slot + 7), exponent, c);
+        }
+        schlick_curve(normal, grazing, exponent, c)
+    }
+
+    /// The curve of the layer of node `n` seen from `wo` at cosine `c`: what selection is based on.
+    pub fn layer_seen(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint, c: f32) -> Vec3f {
         let op = n.x & OP_MASK;
         let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
         let slot = n.y + SLOT_LAYER_CURVE;
         if op == OP_FRESNEL_LAYER {
-            let eta = coating_eta(param(p, slot), mean3(point.ior_near), mean3(point.ior_far), point.flags);
+            let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
             return weight * fresnel_dielectric(c, eta);
         }
         if op == OP_COLOR_FRESNEL_LAYER {
-            let ior = param3(p, slot);
-            return weight
-                * vec3f(
-                    fresnel_dielectric(c, coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags)),
-                    fresnel_dielectric(c, coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags)),
-                    fresnel_dielectric(c, coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags)),
-                );
+            return weight * color_fresnel(c, color_coating_eta(param3(p, slot), point));
         }
         if op == OP_CUSTOM_CURVE_LAYER {
-            let normal = param3(p, slot);
-            let grazing = param3(p, slot + 3);
-            let exponent = param(p, slot + 6);
-            if (n.x & FLAG_COLOR) != 0 {
-                return weight * f82_curve(normal, grazing, param3(p, slot + 7), exponent, c);
-            }
-            return weight * schlick_curve(normal, grazing, exponent, c);
+            return weight * node_schlick(n, p, slot, c);
         }
         weight
     }
 
-    /// The weight of the layer of node `n` at normal incidence where that can be the largest; else zero.
-    pub fn layer_curve_floor(n: Vec4u, p: ptr!(function, Params)) -> Vec3f {
-        if (n.x & OP_MASK) != OP_CUSTOM_CURVE_LAYER {
-            return splat3(0.0);
-        }
+    /// The curve of the layer of node `n`, which has one, at the cosines seen, lit and half.
+    pub fn layer_curve(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        seen: f32,
+        lit: f32,
+        half: f32,
+    ) -> LayerCurve {
+        let op = n.x & OP_MASK;
         let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-        weight * unit3(param3(p, n.y + SLOT_LAYER_CURVE))
+        let slot = n.y + SLOT_LAYER_CURVE;
+        if op == OP_FRESNEL_LAYER {
+            let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+            return LayerCurve {
+                seen: weight * fresnel_dielectric(seen, eta),
+                lit: weight * fresnel_dielectric(lit, eta),
+                half: weight * fresnel_dielectric(half, eta),
+                front: splat3(0.0),
+            };
+        }
+        if op == OP_COLOR_FRESNEL_LAYER {
+            let eta = color_coating_eta(param3(p, slot), point);
+            return LayerCurve {
+                seen: weight * color_fresnel(seen, eta),
+                lit: weight * color_fresnel(lit, eta),
+                half: weight * color_fresnel(half, eta),
+                front: splat3(0.0),
+            };
+        }
+        LayerCurve {
+            seen: weight * node_schlick(n, p, slot, seen),
+            lit: weight * node_schlick(n, p, slot, lit),
+            half: weight * node_schlick(n, p, slot, half),
+            front: weight * unit3(param3(p, slot)),
+        }
     }
 
     /// The slot of a layer's normal.

@@ -73,8 +73,8 @@ pub mod code {
         pub weight: Vec3f,
         /// Probability that sampling comes here.
         pub prob: f32,
-        /// Its shading normal.
-        pub normal: Vec3f,
+        /// Slot of its shading normal, or `NO_SLOT` where that is the frame's z.
+        pub normal: u32,
     }
 
     /// How a layer divides value and probability.
@@ -90,6 +90,8 @@ pub mod code {
 
     /// No node is asked for.
     pub const NO_NODE: u32 = 0xffffffff;
+    /// The shading normal is that of the frame.
+    pub const NO_SLOT: u32 = 0xffffffff;
     /// Least share of a layer's weight that its selection is based on: a curve that vanishes for `wo`
     /// need not vanish at other facets.
     pub const LAYER_FLOOR: f32 = 0.04;
@@ -122,15 +124,24 @@ pub mod code {
 
     /// The visit of a whole program.
     pub fn visit_root() -> Visit {
-        Visit { node: 0, weight: splat3(1.0), prob: 1.0, normal: vec3f(0.0, 0.0, 1.0) }
+        Visit { node: 0, weight: splat3(1.0), prob: 1.0, normal: NO_SLOT }
     }
 
-    /// The normal of a layer on the side of `wo`: its own or the inherited one.
-    pub fn layer_normal(n: Vec4u, p: ptr!(function, Params), inherited: Vec3f) -> Vec3f {
+    /// The slot of a layer's normal: its own or the inherited one.
+    pub fn layer_normal(n: Vec4u, inherited: u32) -> u32 {
         if (n.x & FLAG_VECTOR) == 0 {
             return inherited;
         }
-        let own = normalize_or(param3(p, layer_normal_slot(n)), inherited);
+        layer_normal_slot(n)
+    }
+
+    /// The shading normal in a slot, on the side of `wo`.
+    pub fn normal_at(p: ptr!(function, Params), slot: u32) -> Vec3f {
+        let up = vec3f(0.0, 0.0, 1.0);
+        if slot == NO_SLOT {
+            return up;
+        }
+        let own = normalize_or(param3(p, slot), up);
         own * select(-1.0, 1.0, own.z >= 0.0)
     }
 
@@ -147,30 +158,35 @@ pub mod code {
         select(0.0, 1.0, m > 0.5)
     }
 
-    /// The split of a layer with normal `normal` for a pair of directions.
+    /// The split of a layer with its normal in slot `normal` for a pair of directions.
     pub fn layer_split(
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
-        normal: Vec3f,
+        normal: u32,
         wo: Vec3f,
         wi: Vec3f,
     ) -> LayerSplit {
-        let seen = layer_curve(n, p, point, unit(abs(dot(normal, wo))));
-        let prob = layer_probability(n, p, seen);
         if (n.x & OP_MASK) == OP_WEIGHTED_LAYER {
-            return LayerSplit { layer: seen, base: splat3(1.0) - seen, prob };
+            let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
+            let prob = layer_probability(n, p, weight);
+            return LayerSplit { layer: weight, base: splat3(1.0) - weight, prob };
         }
-        let lit = layer_curve(n, p, point, unit(abs(dot(normal, wi))));
-        let at_half = layer_curve(n, p, point, half_cosine(normal, wo, wi));
-        LayerSplit { layer: at_half, base: splat3(1.0) - max(max(seen, lit), layer_curve_floor(n, p)), prob }
+        let z = normal_at(p, normal);
+        let no = dot(z, wo);
+        let ni = dot(z, wi);
+        let half = half_cosine(no, ni, dot(wo, wi));
+        let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+        let prob = layer_probability(n, p, curve.seen);
+        let most = max(max(curve.seen, curve.lit), curve.front);
+        LayerSplit { layer: curve.half, base: splat3(1.0) - most, prob }
     }
 
     /// The factor of a modifier for a pair of directions.
     pub fn modifier_factor(
         n: Vec4u,
         p: ptr!(function, Params),
-        normal: Vec3f,
+        normal: u32,
         wo: Vec3f,
         wi: Vec3f,
         transmits: bool,
@@ -184,7 +200,8 @@ pub mod code {
             let s = param3(p, n.y + SLOT_TINT);
             return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
         }
-        let c = half_cosine(normal, wo, wi);
+        let z = normal_at(p, normal);
+        let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
         let at_normal = param3(p, n.y + SLOT_TINT);
         let at_grazing = param3(p, n.y + SLOT_FACTOR_GRAZING);
         let exponent = param(p, n.y + SLOT_FACTOR_EXPONENT);
@@ -201,17 +218,22 @@ pub mod code {
             param(p, n.y + SLOT_GLOSSY_ALPHA + 1),
             n.w,
             (point.flags & POINT_THIN_WALLED) != 0,
-            point_eta(point),
+            point.eta,
         )
     }
 
-    /// The frame of the lobe at node `n` with shading normal `normal`.
-    pub fn node_frame(n: Vec4u, p: ptr!(function, Params), normal: Vec3f) -> Frame {
-        let op = n.x & OP_MASK;
-        if op == OP_GGX_SMITH && (n.x & FLAG_VECTOR) != 0 {
-            return frame_from_normal_tangent(normal, param3(p, n.y + SLOT_GLOSSY_TANGENT));
+    /// Whether the lobe at node `n` needs a frame of its own.
+    pub fn node_is_turned(n: Vec4u, normal: u32) -> bool {
+        normal != NO_SLOT || (n.x & FLAG_VECTOR) != 0
+    }
+
+    /// The frame of the lobe at node `n` with its shading normal in slot `normal`.
+    pub fn node_frame(n: Vec4u, p: ptr!(function, Params), normal: u32) -> Frame {
+        let z = normal_at(p, normal);
+        if (n.x & FLAG_VECTOR) != 0 {
+            return frame_from_normal_tangent(z, param3(p, n.y + SLOT_GLOSSY_TANGENT));
         }
-        frame_from_normal(normal)
+        frame_from_normal(z)
     }
 
     /// The node behind the one visited: a waiting subtree, or none.
@@ -242,7 +264,7 @@ pub mod code {
             let op = n.x & OP_MASK;
             if op >= OP_WEIGHTED_LAYER {
                 let inherited = visit.normal;
-                let own = layer_normal(n, p, inherited);
+                let own = layer_normal(n, inherited);
                 let split = layer_split(n, p, point, own, wo, wi);
                 let layer = Visit {
                     node: layer_child(n, visit.node),
@@ -285,7 +307,7 @@ pub mod code {
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
-        normal: Vec3f,
+        normal: u32,
         wo: Vec3f,
         wi: Vec3f,
         transmits: bool,
@@ -298,7 +320,7 @@ pub mod code {
         }
         let mut o: Vec3f = wo;
         let mut i: Vec3f = wi;
-        if normal.z < 1.0 || (n.x & FLAG_VECTOR) != 0 {
+        if node_is_turned(n, normal) {
             let frame = node_frame(n, p, normal);
             o = frame_to_local(frame, wo);
             i = frame_to_local(frame, wi);
@@ -333,7 +355,7 @@ pub mod code {
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
-        normal: Vec3f,
+        normal: u32,
         wo: Vec3f,
         u: Vec3f,
     ) -> LobeSample {
@@ -341,7 +363,7 @@ pub mod code {
         let mut frame: Frame =
             Frame { x: vec3f(1.0, 0.0, 0.0), y: vec3f(0.0, 1.0, 0.0), z: vec3f(0.0, 0.0, 1.0) };
         let mut o: Vec3f = wo;
-        let turned = normal.z < 1.0 || (n.x & FLAG_VECTOR) != 0;
+        let turned = node_is_turned(n, normal);
         if turned {
             frame = node_frame(n, p, normal);
             o = frame_to_local(frame, wo);
@@ -356,7 +378,7 @@ pub mod code {
             s = diffuse_transmission_sample(u.xy());
         } else if op == OP_SPECULAR {
             let thin = (point.flags & POINT_THIN_WALLED) != 0;
-            s = specular_sample(n.w, thin, sane_eta(point_eta(point)), o, u.z);
+            s = specular_sample(n.w, thin, point.eta, o, u.z);
         } else if op == OP_GGX_SMITH {
             s = ggx_sample(node_ggx(n, p, point), o, u.xy(), u.z);
         }
@@ -446,7 +468,7 @@ pub mod code {
             let n = bsdf_node(program, visit.node);
             let op = n.x & OP_MASK;
             if op >= OP_WEIGHTED_LAYER {
-                let own = layer_normal(n, p, visit.normal);
+                let own = layer_normal(n, visit.normal);
                 let share = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
                 let layer = Visit {
                     node: layer_child(n, visit.node),
@@ -485,7 +507,7 @@ pub mod code {
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
-        normal: Vec3f,
+        normal: u32,
         wo: Vec3f,
     ) -> BsdfAlbedo {
         let mut result: BsdfAlbedo = BsdfAlbedo { diffuse: splat3(0.0), glossy: splat3(0.0) };
@@ -530,14 +552,15 @@ pub mod code {
         let mut result: BsdfSample =
             BsdfSample { wi: vec3f(0.0, 0.0, 1.0), pdf: 0.0, weight: splat3(0.0), event: EVENT_ABSORB };
         let mut node: u32 = 0;
-        let mut normal: Vec3f = vec3f(0.0, 0.0, 1.0);
+        let mut normal: u32 = NO_SLOT;
         let mut prob: f32 = 1.0;
         let mut uz: f32 = u.z;
         let mut n: Vec4u = bsdf_node(program, node);
         while (n.x & OP_MASK) >= OP_TINT {
             if (n.x & OP_MASK) >= OP_WEIGHTED_LAYER {
-                let own = layer_normal(n, p, normal);
-                let seen = layer_curve(n, p, point, unit(abs(dot(own, wo))));
+                let own = layer_normal(n, normal);
+                let z = normal_at(p, own);
+                let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
                 let q = layer_probability(n, p, seen);
                 let layer = uz < q;
                 uz = reuse_random(uz, q, layer);

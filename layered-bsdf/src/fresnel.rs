@@ -56,13 +56,11 @@ pub mod code {
     }
 
     /// Cosine between `wo` and the half vector, with `wi` mirrored to the side of `wo` where it lies on
-    /// the other side of the plane with normal `n`. A factor that depends on the angle at a microfacet
-    /// is looked up with it, for reflection and transmission alike.
-    pub fn half_cosine(n: Vec3f, wo: Vec3f, wi: Vec3f) -> f32 {
-        let no = dot(n, wo);
-        let ni = dot(n, wi);
+    /// the other side of the plane with normal n. A factor that depends on the angle at a microfacet is
+    /// looked up with it, for reflection and transmission alike. Given are n·wo, n·wi and wo·wi.
+    pub fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
         // Mirroring at the plane adds −2 (n·wo)(n·wi) to the product.
-        let product = dot(wo, wi) - select(0.0, 2.0 * no * ni, no * ni < 0.0);
+        let product = oi - min(2.0 * no * ni, 0.0);
         // |wo + wi|² = 2 + 2 wo·wi, and wo·(wo + wi)/|wo + wi| = |wo + wi| / 2.
         sqrt(unit(0.5 + 0.5 * product))
     }

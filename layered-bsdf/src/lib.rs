@@ -17,12 +17,8 @@
 //! };
 //! let (program, mut params) = LayerProgram::with_values(&plastic)?;
 //! let mut program = program.to_program();
-//! let point = ShadingPoint {
-//!     geometry_normal: vec3f(0.0, 0.0, 1.0),
-//!     ior_near: vec3f(1.0, 1.0, 1.0),
-//!     ior_far: vec3f(1.5, 1.5, 1.5),
-//!     flags: 0,
-//! };
+//! let (air, glass) = (vec3f(1.0, 1.0, 1.0), vec3f(1.5, 1.5, 1.5));
+//! let point = shading_point(vec3f(0.0, 0.0, 1.0), air, glass, 0);
 //! let (wo, wi) = (vec3f(0.6, 0.0, 0.8), vec3f(0.0, 0.6, 0.8));
 //! let value = bsdf_eval(&mut program, &mut params, point, wo, wi);
 //! assert!(value.diffuse.x > value.diffuse.y && value.pdf > 0.0);

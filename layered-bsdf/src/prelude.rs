@@ -1,6 +1,6 @@
 //! What a user of the library imports: the evaluator, its data, and the vector types they use.
 
-pub use crate::curves::{POINT_INSIDE, POINT_THIN_WALLED, ShadingPoint};
+pub use crate::curves::{POINT_INSIDE, POINT_THIN_WALLED, ShadingPoint, shading_point};
 pub use crate::edf::{EdfValue, edf_eval, edf_sample};
 pub use crate::evaluator::{BsdfAlbedo, BsdfSample, BsdfValue, bsdf_albedo, bsdf_eval, bsdf_sample};
 pub use crate::lobes::{

@@ -48,7 +48,7 @@ pub mod code {
         select(ALPHA_MIN, min(alpha, 1.0), alpha > ALPHA_MIN)
     }
 
-    /// The lobe for roughnesses and index ratio as authored.
+    /// The lobe for roughnesses as authored and a sane index ratio.
     pub fn ggx_new(alpha_x: f32, alpha_y: f32, mode: u32, thin_walled: bool, eta: f32) -> Ggx {
         Ggx { alpha: vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)), mode, thin_walled, eta: sane_eta(eta) }
     }

@@ -55,12 +55,7 @@ impl Setup {
 
 /// Seen from the medium of index `near`, with `far` behind, no bump.
 pub fn point(near: f32, far: f32, flags: u32) -> ShadingPoint {
-    ShadingPoint {
-        geometry_normal: vec3f(0.0, 0.0, 1.0),
-        ior_near: vec3f(near, near, near),
-        ior_far: vec3f(far, far, far),
-        flags,
-    }
+    shading_point(vec3f(0.0, 0.0, 1.0), vec3f(near, near, near), vec3f(far, far, far), flags)
 }
 
 /// Directions that every case is looked at from: cosines down to 0.01.

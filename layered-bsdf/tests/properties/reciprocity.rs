@@ -14,9 +14,9 @@ fn is_reciprocal_where_promised() {
         let mut forward = case.setup();
         // The same interface seen from the other side.
         let mut backward = case.setup();
-        backward.point.ior_near = case.point.ior_far;
-        backward.point.ior_far = case.point.ior_near;
-        backward.point.flags ^= POINT_INSIDE;
+        let (near, far) = (case.point.ior_far, case.point.ior_near);
+        backward.point =
+            shading_point(case.point.geometry_normal, near, far, case.point.flags ^ POINT_INSIDE);
         let thin = case.point.flags & POINT_THIN_WALLED != 0;
         let (mut random, mut compared) = (Random::new(5), 0);
         for wo in views() {
