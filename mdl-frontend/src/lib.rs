@@ -3,7 +3,10 @@
 //! This crate knows no file system, no thread and no executor: it asks a loader for module text and for
 //! the existence of resources, and hands out graphs.
 
+pub mod diagnostics;
 pub mod graph;
+mod limits;
 pub mod span;
+pub mod syntax;
 pub mod types;
 pub mod value;
