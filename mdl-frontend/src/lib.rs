@@ -3,10 +3,18 @@
 //! This crate knows no file system, no thread and no executor: it asks a loader for module text and for
 //! the existence of resources, and hands out graphs.
 
+mod compiler;
 pub mod diagnostics;
+pub mod fold;
 pub mod graph;
 mod limits;
+pub mod loader;
+mod sema;
 pub mod span;
 pub mod syntax;
 pub mod types;
 pub mod value;
+
+pub use compiler::{
+    AnnotationInfo, CheckedModule, Compiler, Failure, FunctionInfo, ParameterInfo, standard_modules,
+};

@@ -18,6 +18,8 @@ pub const ARRAY_SIZE: u32 = 1 << 16;
 pub const VALUE_SCALARS: u64 = 1 << 20;
 /// Parameters of a function and fields of a struct.
 pub const PARAMETERS: usize = 1024;
+/// Functions of one name in one module.
+pub const OVERLOADS: usize = 256;
 /// Nodes of a graph, before those that nothing uses are dropped.
 pub const NODES: usize = 1 << 20;
 /// Expressions and statements that building one graph may visit.

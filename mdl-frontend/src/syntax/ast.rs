@@ -47,6 +47,21 @@ pub struct Item {
     pub nodes: Nodes,
 }
 
+impl Item {
+    /// Annotations of a declaration as a whole.
+    pub fn annotations(&self) -> &[Annotation] {
+        match &self.kind {
+            ItemKind::Annotation { annotations, .. }
+            | ItemKind::Struct { annotations, .. }
+            | ItemKind::Enum { annotations, .. }
+            | ItemKind::Category { annotations, .. }
+            | ItemKind::Module(annotations) => annotations,
+            ItemKind::Function(function) => &function.annotations,
+            _ => &[],
+        }
+    }
+}
+
 /// The arenas of one item.
 #[derive(Clone, Debug, Default)]
 pub struct Nodes {

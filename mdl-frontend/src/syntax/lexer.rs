@@ -171,6 +171,8 @@ fn push(
 ) {
     let word = || text[span.start as usize..span.end as usize].to_string();
     let token = match (token, token.introduced()) {
+        // A reserved word that names an annotation.
+        (Token::Reserved, _) if is_native(tokens, &word()) => Token::Ident,
         (Token::Reserved | Token::Package, _) => {
             sink.emit(span, problems::ReservedWord { word: word() });
             Token::Ident
@@ -198,6 +200,11 @@ fn push(
         }
         _ => tokens.push((token, span)),
     }
+}
+
+/// Whether a reserved word is the name of the standard annotation `native`.
+fn is_native(tokens: &[(Token, Span)], word: &str) -> bool {
+    word == "native" && matches!(tokens.last(), Some((Token::Scope | Token::Annotation, _)))
 }
 
 #[cfg(test)]

@@ -11,6 +11,11 @@ pub mod version;
 
 pub use parse::{parse_expression, parse_module};
 
+/// The name behind a unicode name in single quotes.
+pub fn unicode_name(written: &str) -> std::borrow::Cow<'_, str> {
+    literals::string(written).0
+}
+
 lalrpop_util::lalrpop_mod!(
     #[allow(missing_docs, unused_qualifications, clippy::all, reason = "generated")]
     grammar

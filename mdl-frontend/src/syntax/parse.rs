@@ -129,7 +129,13 @@ impl Errors<'_> {
         // A statement that starts with a misspelt keyword reads as a type until the token behind it.
         here.or_else(|| {
             let span = name(index.checked_sub(1)?)?;
-            Some((span, similar(self.slice(span), STATEMENT.iter().chain(DECLARATION).copied())?))
+            Some((
+                span,
+                similar(
+                    self.slice(span),
+                    STATEMENT.iter().chain(DECLARATION).copied().filter(|word| word.len() > 3),
+                )?,
+            ))
         })
     }
 
