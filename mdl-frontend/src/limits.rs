@@ -16,6 +16,8 @@ pub const IMPORT_DEPTH: usize = 64;
 pub const ARRAY_SIZE: u32 = 1 << 16;
 /// Scalars in one value, such as an array of structs of matrices.
 pub const VALUE_SCALARS: u64 = 1 << 20;
+/// Levels of structs within structs.
+pub const STRUCT_DEPTH: u32 = 64;
 /// Parameters of a function and fields of a struct.
 pub const PARAMETERS: usize = 1024;
 /// Functions of one name in one module.

@@ -1,7 +1,7 @@
 //! A checked module as its users see it.
 
 use super::session::world;
-use super::{Checked, standard};
+use super::{Checked, Failure, standard};
 use crate::diagnostics::{Diagnostic, Sink};
 use crate::graph::ParameterUi;
 use crate::sema::hir::{AnnotationUse, DefaultArg, Entity, Function, Module, World};
@@ -120,6 +120,16 @@ impl CheckedModule {
     pub fn source(&self, file: &str) -> Option<Arc<str>> {
         let found = self.world.modules().find(|module| *module.identity.file == *file);
         found.map(|module| module.text.clone())
+    }
+
+    /// Texts of all files that diagnostics may refer to.
+    pub(crate) fn sources(&self) -> Vec<(Arc<str>, Arc<str>)> {
+        self.world.modules().map(|module| (module.identity.file.clone(), module.text.clone())).collect()
+    }
+
+    /// A failure with these diagnostics.
+    pub(crate) fn failure(&self, diagnostics: Vec<Diagnostic>) -> Failure {
+        Failure { diagnostics, sources: self.sources() }
     }
 
     /// Annotations of the module.

@@ -7,9 +7,11 @@ mod standard;
 
 pub use checked::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, standard_modules};
 
+use crate::build::{self, Argument};
 use crate::diagnostics::modules::NoSuchModule;
 use crate::diagnostics::{Diagnostic, Problem};
 use crate::fold::{Folder, NoFolder};
+use crate::graph::{FunctionGraph, MaterialGraph, Mode};
 use crate::loader::{LoadError, LoadedSource, Loader, ModuleIdentity};
 use crate::sema::hir::Module;
 use crate::sema::ty::ModuleId;
@@ -115,6 +117,34 @@ impl Compiler {
     /// Checks a module whose text is given, and all that it imports.
     pub fn check_source(&self, source: LoadedSource) -> CheckedModule {
         CheckedModule::new(Session::new(self).check(source))
+    }
+
+    /// Builds the graph of a material that a checked module exports.
+    ///
+    /// In class mode every parameter whose value is constant stays a parameter of the graph; in instance
+    /// mode all are folded into it. `args` are values for parameters by name.
+    pub fn material_graph(
+        &self,
+        module: &CheckedModule,
+        name: &str,
+        mode: Mode,
+        args: &[(&str, Argument)],
+    ) -> Result<MaterialGraph, Failure> {
+        build::material_graph(self, module, name, mode, args)
+    }
+
+    /// Builds the graph of a function that a checked module exports.
+    ///
+    /// One of several overloads is named with the types of its parameters, such as `f(float,int)`, unless
+    /// the names of the arguments tell it. In class mode a parameter without default starts as zero.
+    pub fn function_graph(
+        &self,
+        module: &CheckedModule,
+        name: &str,
+        mode: Mode,
+        args: &[(&str, Argument)],
+    ) -> Result<FunctionGraph, Failure> {
+        build::function_graph(self, module, name, mode, args)
     }
 
     /// Forgets all modules, such as when resources have come or gone.

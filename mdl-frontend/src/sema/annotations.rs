@@ -49,14 +49,19 @@ impl<'a> Checker<'_, 'a> {
             return None;
         }
         let mut fits = self.best(candidates.clone(), &args);
-        let (1, Some((_, signature, fit))) = (fits.len(), fits.pop()) else {
+        let (1, Some((id, signature, fit))) = (fits.len(), fits.pop()) else {
             let args = self.describe(&args);
             self.drop_annotation(name, &format!("no declaration of it takes ({args})"), annotation.name.span);
             return None;
         };
         let mut values = Vec::new();
-        for (param, arg) in signature.params.iter().zip(&fit.args) {
-            let Some(arg) = arg else { continue };
+        for (index, (param, arg)) in signature.params.iter().zip(&fit.args).enumerate() {
+            let Some(arg) = arg else {
+                let default =
+                    self.m.module_of(id.module).annotations[id.index as usize].defaults[index].clone();
+                values.extend(default.map(|default| (param.name.clone(), default)));
+                continue;
+            };
             let value = match param.ty.size {
                 Some(_) => args[*arg].value,
                 None => self.coerce(args[*arg].value, param.ty),

@@ -1,8 +1,7 @@
 //! Declarations other than functions: types, constants, annotations.
 
 use super::hir::{
-    AnnotationDecl, Body, Category, Constant, Entity, Enum, ExprId, Field, FieldDefault, ParamSig, Signature,
-    Struct,
+    AnnotationDecl, Body, Constant, Entity, Enum, ExprId, Field, FieldDefault, ParamSig, Signature, Struct,
 };
 use super::lookup::Found;
 use super::scope::LocalEntry;
@@ -11,8 +10,7 @@ use super::type_expr::TypeUse;
 use super::{Checker, ModuleCx, frequency};
 use crate::diagnostics::build::LimitReached;
 use crate::diagnostics::{
-    annotations as annotation_problems, modules as module_problems, names as problems, similar,
-    syntax as syntax_problems, types as type_problems,
+    annotations as annotation_problems, names as problems, syntax as syntax_problems, types as type_problems,
 };
 use crate::limits;
 use crate::span::Span;
@@ -213,16 +211,25 @@ impl Checker<'_, '_> {
         if scalars > limit {
             self.emit(name.span, LimitReached { what: "scalars in one value", limit });
         }
+        let depths =
+            fields.iter().filter_map(|field| Some(self.m.structure(field.ty.base.as_struct()?).depth));
+        let depth = 1 + depths.max().unwrap_or(0);
+        let too_deep = depth > limits::STRUCT_DEPTH;
+        if too_deep {
+            let (what, limit) = ("levels of structs within structs", limits::STRUCT_DEPTH.into());
+            self.emit(name.span, LimitReached { what, limit });
+        }
         // A struct that holds distribution functions is one of the values of materials, marked or not.
         let declarative = declarative || fields.iter().any(|field| self.m.is_declarative(field.ty));
         let id = self.next_id(self.m.module.structs.len());
         let arc: Arc<str> = self.name_of(name).into();
         let definition = Struct {
             name: self.m.qualified(&arc),
-            fields: if scalars > limit { Vec::new() } else { fields },
+            fields: if scalars > limit || too_deep { Vec::new() } else { fields },
             category,
             declarative,
             scalars: scalars.min(limit),
+            depth: depth.min(limits::STRUCT_DEPTH),
             body: std::mem::take(&mut self.body),
             window,
             span: name.span,
@@ -239,7 +246,8 @@ impl Checker<'_, '_> {
             return Vec::new();
         }
         let mut seen: FxHashMap<&str, Span> = FxHashMap::default();
-        let mut checked = Vec::new();
+        let mut checked: Vec<Field> = Vec::new();
+        let mut first_default = None;
         for field in fields {
             let (name, span) = (self.name_of(field.name), field.name.span);
             let ty = self.ty(&field.ty, TypeUse::Other).unwrap_or(Ty::ERROR);
@@ -261,6 +269,15 @@ impl Checker<'_, '_> {
                 let default = self.expr(default);
                 self.coerce(default, ty)
             });
+            self.annotations(&field.annotations);
+            match first_default {
+                None if default.is_some() => first_default = Some(span),
+                Some(first) if default.is_none() => {
+                    let first = self.m.sink.place(first);
+                    self.emit(span, problems::DefaultBeforeRequired { name: name.to_string(), first });
+                }
+                _ => {}
+            }
             let varying_default = match default {
                 Some(default) => {
                     let body = std::mem::take(&mut self.body);
@@ -276,7 +293,6 @@ impl Checker<'_, '_> {
                 uniform: field.ty.frequency == Some(ast::Frequency::Uniform),
                 default: default.map_or(FieldDefault::Type, FieldDefault::Expr),
                 varying_default,
-                uses: self.annotations(&field.annotations),
                 span,
             });
         }
@@ -295,9 +311,8 @@ impl Checker<'_, '_> {
     }
 
     fn category(&mut self, item: &ast::Item, name: ast::Ident) {
-        let id = self.next_id(self.m.module.categories.len());
-        let qualified = self.m.qualified(self.name_of(name));
-        self.m.module.categories.push(Category { name: qualified, span: name.span });
+        let id = self.next_id(self.m.module.categories as usize);
+        self.m.module.categories += 1;
         self.declare_entity(item, name, Entity::Category(id));
     }
 
@@ -361,17 +376,6 @@ impl ModuleCx<'_> {
     fn has_varying_default(&self, ty: Ty) -> bool {
         let id = ty.base.as_struct();
         id.is_some_and(|id| self.structure(id).fields.iter().any(|field| field.varying_default))
-    }
-
-    /// The name nearest to an unknown module, among those that the loader knows.
-    pub fn similar_module(&self, name: &str, package: &[String]) -> Option<String> {
-        let siblings = self.loader.siblings(package);
-        similar(name, siblings.iter().map(String::as_str))
-    }
-
-    /// Reports an import that failed.
-    pub fn report_import(&mut self, span: Span, name: String, reason: String) {
-        self.sink.emit(span, module_problems::LoadFailed { name, reason });
     }
 }
 

@@ -475,7 +475,7 @@ impl<'a> Checker<'_, 'a> {
 }
 
 /// An operator as it is written.
-pub(super) fn spelling(op: BinaryOp) -> &'static str {
+pub fn spelling(op: BinaryOp) -> &'static str {
     match op {
         BinaryOp::Add => "+",
         BinaryOp::Sub => "-",

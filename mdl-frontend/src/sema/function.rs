@@ -1,8 +1,8 @@
 //! Functions and materials.
 
 use super::hir::{
-    AnnotationUse, Body, DefaultArg, Entity, Function, FunctionKind, Local, LocalId, ParamSig, Signature,
-    Window,
+    AnnotationUse, Body, DefaultArg, Entity, ExprKind, Function, FunctionKind, Local, LocalId, ParamSig,
+    Signature, Window,
 };
 use super::scope::LocalEntry;
 use super::standard::Standard;
@@ -102,6 +102,7 @@ impl Checker<'_, '_> {
             body: Body::default(),
             defaults: params.defaults,
             varying_defaults: Vec::new(),
+            effects: standard.intrinsic && self.m.module.identity.name() == "::debug",
             variant_of: None,
             uses,
             param_uses: params.uses,
@@ -334,7 +335,12 @@ impl Checker<'_, '_> {
         let body = std::mem::take(&mut self.body);
         let (defaults, signature) = (self.m.function(id).defaults.clone(), self.m.signature(id));
         let found = frequency::check(self.m, &body, kind, &defaults, &signature);
+        let effects = body.exprs.iter().any(|expr| match expr.kind {
+            ExprKind::Call(callee, _) => self.m.function(callee).effects,
+            _ => false,
+        });
         let declared = &mut self.m.module.functions[id.index as usize];
+        declared.effects |= effects;
         declared.varying |= found.varying;
         declared.varying_defaults = found.defaults;
         declared.body = body;

@@ -47,8 +47,8 @@ pub struct Module {
     pub constants: Vec<Constant>,
     /// Annotations.
     pub annotations: Vec<AnnotationDecl>,
-    /// Struct categories.
-    pub categories: Vec<Category>,
+    /// Number of struct categories; they have nothing but an identity.
+    pub categories: u32,
     /// What other modules can import, re-exports included.
     pub exports: FxHashMap<Arc<str>, Vec<Entity>>,
     /// Names of [`Self::exports`], in order of declaration.
@@ -74,7 +74,7 @@ impl Module {
             functions: Vec::new(),
             constants: Vec::new(),
             annotations: Vec::new(),
-            categories: Vec::new(),
+            categories: 0,
             exports: FxHashMap::default(),
             export_order: Vec::new(),
             uses: Vec::new(),
@@ -156,6 +156,8 @@ pub struct Struct {
     pub declarative: bool,
     /// Number of scalars in a value.
     pub scalars: u64,
+    /// Levels of structs within structs.
+    pub depth: u32,
     /// Expressions of the defaults of its fields.
     pub body: Body,
     /// Versions that have it.
@@ -177,8 +179,6 @@ pub struct Field {
     pub default: FieldDefault,
     /// The default depends on the shading state.
     pub varying_default: bool,
-    /// Annotations.
-    pub uses: Vec<AnnotationUse>,
     /// Where it is declared.
     pub span: Span,
 }
@@ -196,15 +196,6 @@ pub enum FieldDefault {
     Normal,
     /// An expression of the struct's body.
     Expr(ExprId),
-}
-
-/// A struct category.
-#[derive(Debug)]
-pub struct Category {
-    /// Qualified name.
-    pub name: Arc<str>,
-    /// Where it is declared.
-    pub span: Span,
 }
 
 /// A constant.
@@ -263,6 +254,8 @@ pub struct Function {
     pub varying: bool,
     /// Which defaults depend on the shading state.
     pub varying_defaults: Vec<bool>,
+    /// Calling it does more than compute a value: it prints or stops.
+    pub effects: bool,
     /// What it is a variant of, for listings.
     pub variant_of: Option<DefId>,
     /// Annotations.

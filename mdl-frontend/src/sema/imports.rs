@@ -4,7 +4,6 @@ use super::ModuleCx;
 use super::hir::{Entity, Module};
 use super::ty::Base;
 use crate::diagnostics::{modules as problems, names as name_problems, similar, syntax as syntax_problems};
-use crate::loader::qualified;
 use crate::span::Span;
 use crate::syntax::ast::{self, ImportPath, ItemKind, PathStart};
 use crate::syntax::version::Version;
@@ -258,10 +257,5 @@ impl<'a> ModuleCx<'a> {
             }
         }
         names
-    }
-
-    /// The name of a module, for messages.
-    pub fn module_name(segments: &[String]) -> String {
-        qualified(segments)
     }
 }

@@ -69,6 +69,7 @@ pub fn module() -> Module {
             category: None,
             declarative: true,
             scalars: 32,
+            depth: 3,
             body: Body::default(),
             window: Window::ALWAYS,
             span: Span::default(),
@@ -79,15 +80,7 @@ pub fn module() -> Module {
 
 fn field(name: &str, ty: Ty, default: FieldDefault) -> Field {
     let varying_default = default == FieldDefault::Normal;
-    Field {
-        name: name.into(),
-        ty,
-        uniform: false,
-        default,
-        varying_default,
-        uses: Vec::new(),
-        span: Span::default(),
-    }
+    Field { name: name.into(), ty, uniform: false, default, varying_default, span: Span::default() }
 }
 
 /// The keyword of a type that has one.

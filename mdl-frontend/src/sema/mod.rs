@@ -31,6 +31,7 @@ mod type_expr;
 mod variant;
 
 pub use annotations::parameter_ui;
+pub use expr::spelling;
 pub use imports::{ImportRequest, requests};
 pub use language::{module as language_module, type_name};
 
@@ -145,15 +146,16 @@ impl<'a> ModuleCx<'a> {
     }
 
     /// Takes the names of a module that was checked before, to check expressions in its scope.
-    pub fn adopt(&mut self, module: &Arc<Module>, imports: &[Option<Arc<Module>>]) {
+    pub fn adopt(&mut self, module: &Arc<Module>, imports: &[Option<Arc<Module>>], file: Arc<str>) {
         self.imports(imports);
         self.adopt_names(module);
-        self.sink = Sink::new(self.module.identity.file.clone());
+        // What imports have to say was said when the module was checked.
+        self.sink = Sink::new(file);
     }
 
-    /// The diagnostics so far, which are taken.
-    pub fn take_sink(&mut self, file: Arc<str>) -> Sink {
-        std::mem::replace(&mut self.sink, Sink::new(file))
+    /// The diagnostics.
+    pub fn into_sink(self) -> Sink {
+        self.sink
     }
 
     fn text(&self, span: Span) -> &'a str {
@@ -199,7 +201,7 @@ impl<'a> ModuleCx<'a> {
             Base::Error => "?".to_string(),
             Base::Enum(id) => self.enumeration(id).name.to_string(),
             Base::Struct(id) => self.structure(id).name.to_string(),
-            base => language::type_name(base),
+            base => type_name(base),
         };
         match ty.size {
             None => base,

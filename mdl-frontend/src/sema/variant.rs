@@ -257,6 +257,7 @@ impl<'a> Checker<'_, 'a> {
             defaults,
             varying: self.m.function(original).varying,
             varying_defaults: Vec::new(),
+            effects: self.m.function(original).effects,
             variant_of: Some(original),
             uses,
             param_uses: self.m.function(original).param_uses.clone(),
