@@ -50,14 +50,8 @@ diagnostics! {
     /// The size of an array depends on a default argument, which is not supported yet.
     E0510 SizeFromDefault { symbol: String } "not supported yet: the size `{symbol}` follows from a default argument";
 
-    /// A function is called before it is defined, and the call decides a type.
-    E0511 AutoNotKnown { name: String } "the result of `{name}` is not known yet" help("define it before this call");
-
     /// An argument of a material or function does not lie in its `hard_range`.
     W0501 OutsideHardRange { name: String, value: String, min: String, max: String }
         "{value} for `{name}` is outside its range {min} to {max}";
 
-    /// The value of an argument depends on another argument's assignment.
-    W0502 EvaluationOrder { name: String } "`{name}` is assigned in one argument and used in another"
-        help("assign it before the call");
 }

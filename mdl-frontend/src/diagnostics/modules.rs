@@ -45,9 +45,6 @@ diagnostics! {
     /// More modules than one program could need, or a chain of imports that is too long.
     E0210 TooManyModules { limit: usize, what: &'static str } "more than {limit} {what}";
 
-    /// A qualified name cannot be re-exported.
-    E0211 ExportOfImport {} "an `import` cannot be exported" help("use `export using module import names;`");
-
     /// An alias declared twice, or used wrongly.
     E0212 BadAlias { name: String, reason: &'static str } "alias `{name}` {reason}";
 
@@ -66,6 +63,4 @@ diagnostics! {
     W0201 WeakStandardImportWarning { name: String } "standard module `{name}` is imported by a relative path"
         help(format!("write `::{name}`"));
 
-    /// The same module or name is imported twice.
-    W0202 ImportedTwice { name: String } "`{name}` is imported twice";
 }

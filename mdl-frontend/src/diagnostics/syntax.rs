@@ -78,9 +78,6 @@ diagnostics! {
     /// A type is expected, and something else stands there.
     E0110 NotATypeExpression {} "expected a type";
 
-    /// `export` before something that cannot be exported.
-    E0111 CannotExport { what: &'static str } "{what} cannot be exported";
-
     /// A positional argument behind a named one.
     E0112 PositionalAfterNamed {} "positional argument behind a named one"
         help("name it, or move it before the named arguments");

@@ -101,8 +101,9 @@ diagnostics! {
         "result is `{found}` here but `{first}` before"
         label(place, "first result");
 
-    /// A struct holds a type that cannot be in a struct.
-    E0426 ForbiddenField { ty: String } "a field cannot have type `{ty}`";
+    /// A struct holds a distribution function or material without being declarative.
+    E0426 ForbiddenField { ty: String } "an ordinary struct cannot have a field of type `{ty}`"
+        help("put `declarative` before `struct`, in MDL 1.9 and later");
 
     /// A `cast` between types that have nothing to do with each other.
     E0427 CastUnrelated { from: String, to: String, reason: String } "`{from}` cannot be cast to `{to}`: {reason}";
@@ -123,9 +124,6 @@ diagnostics! {
 
     /// A resource path is not allowed.
     E0432 BadResourcePath { path: String, reason: String } "bad resource path `{path}`: {reason}";
-
-    /// A declarative struct is used where only ordinary values may be.
-    E0433 DeclarativeValue { ty: String } "values of type `{ty}` exist only in materials and `let`s";
 
     /// A declarative function is called from one that is not.
     E0434 DeclarativeCall { name: String } "`{name}` can only be called in materials and declarative functions";

@@ -9,6 +9,7 @@ use crate::fold;
 use crate::graph::ParameterUi;
 use crate::span::Span;
 use crate::syntax::ast;
+use crate::types::Scalar;
 use crate::value::Value;
 use std::sync::Arc;
 
@@ -171,6 +172,10 @@ pub fn parameter_ui(uses: &[AnnotationUse], ty: Ty) -> ParameterUi {
 /// The bounds of a range annotation as values of a type; an error if they are of another kind.
 pub fn range(used: &AnnotationUse, ty: Ty) -> Result<(Value, Value), ()> {
     let [(_, min), (_, max)] = &used.args[..] else { return Err(()) };
+    let is_numeric = ty.scalar().is_some_and(|scalar| scalar != Scalar::Bool) || ty == Ty::COLOR;
+    if !is_numeric {
+        return Err(());
+    }
     let fits = |value: &Value| {
         let converted = fold::convert(value, ty.target())?;
         let same_shape = ty.simple().is_some() && (value.elements().len() == converted.elements().len());

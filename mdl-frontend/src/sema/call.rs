@@ -51,8 +51,8 @@ pub struct Fit {
     pub args: Vec<Option<usize>>,
     /// Sizes of arrays that the arguments bind.
     sizes: Vec<Option<Size>>,
-    /// An argument needs a conversion that should have been written.
-    warned: bool,
+    /// Number of arguments that need a conversion which should have been written.
+    warned: u32,
 }
 
 impl<'a> Checker<'_, 'a> {
@@ -176,6 +176,10 @@ impl<'a> Checker<'_, 'a> {
         if id.module == self.m.module.id {
             self.calls.push((id.index, callee));
         }
+        if self.ordinary && signature.declarative {
+            let name = signature.name.to_string();
+            self.emit(callee, type_problems::DeclarativeCall { name });
+        }
         self.lint_callee(id, callee);
         let result = match self.result_type(&signature, &fit.sizes, span) {
             Some(result) => result,
@@ -205,6 +209,10 @@ impl<'a> Checker<'_, 'a> {
     fn resolve(&mut self, candidates: &[DefId], args: &[CallArg<'a>], callee: Span) -> Option<(DefId, Fit)> {
         let signatures = candidates.iter().map(|id| (*id, self.m.signature(*id))).collect();
         let mut fits = self.best(signatures, args);
+        if fits.len() != 1 {
+            let own = candidates.iter().filter(|id| id.module == self.m.module.id);
+            self.m.meant_functions.extend(own.map(|id| id.index));
+        }
         if args.iter().any(|arg| self.body.ty(arg.value).is_error()) && fits.len() != 1 {
             return None;
         }
@@ -235,10 +243,9 @@ impl<'a> Checker<'_, 'a> {
             Some((id, signature, fit))
         };
         let mut fits: Vec<_> = candidates.into_iter().filter_map(fitting).collect();
-        // Overloads that need a conversion which should have been written are taken only if all do.
-        if fits.iter().any(|(.., fit)| !fit.warned) {
-            fits.retain(|(.., fit)| !fit.warned);
-        }
+        // The fewer conversions that should have been written, the better an overload fits.
+        let fewest = fits.iter().map(|(.., fit)| fit.warned).min().unwrap_or(0);
+        fits.retain(|(.., fit)| fit.warned == fewest);
         if fits.len() > 1 {
             self.drop_less_specific(&mut fits);
         }
@@ -283,7 +290,7 @@ impl<'a> Checker<'_, 'a> {
     pub(super) fn fit(&self, signature: &Signature, args: &[CallArg<'a>]) -> Result<Fit, Misfit> {
         let params = &signature.params;
         let mut fit =
-            Fit { args: vec![None; params.len()], sizes: vec![None; signature.symbols.len()], warned: false };
+            Fit { args: vec![None; params.len()], sizes: vec![None; signature.symbols.len()], warned: 0 };
         for (index, arg) in args.iter().enumerate() {
             let param = match arg.name {
                 None if index < params.len() => index,
@@ -304,7 +311,7 @@ impl<'a> Checker<'_, 'a> {
             if let Some(arg) = fit.args[index] {
                 let ty = self.body.ty(args[arg].value);
                 let how = self.fit_type(ty, param.ty, index, &mut fit.sizes)?;
-                fit.warned |= how.ok_or(Misfit::Type(arg, index))? == Implicit::Warned;
+                fit.warned += u32::from(how.ok_or(Misfit::Type(arg, index))? == Implicit::Warned);
             }
         }
         Ok(fit)

@@ -9,9 +9,7 @@ use super::ty::{Base, DefId, Ty};
 use super::type_expr::TypeUse;
 use super::{Checker, ModuleCx, frequency};
 use crate::diagnostics::build::LimitReached;
-use crate::diagnostics::{
-    annotations as annotation_problems, names as problems, syntax as syntax_problems, types as type_problems,
-};
+use crate::diagnostics::{annotations as annotation_problems, names as problems, types as type_problems};
 use crate::limits;
 use crate::span::Span;
 use crate::syntax::ast::{self, ItemKind};
@@ -27,9 +25,6 @@ impl<'a> ModuleCx<'a> {
         match &item.kind {
             ItemKind::Error | ItemKind::Alias { .. } | ItemKind::Import(_) | ItemKind::Using { .. } => {}
             ItemKind::Module(annotations) => {
-                if item.exported {
-                    checker.emit(item.span, syntax_problems::CannotExport { what: "module annotations" });
-                }
                 let uses = checker.annotations(annotations);
                 self.module.uses.extend(uses);
             }
@@ -155,6 +150,7 @@ impl Checker<'_, '_> {
             self.emit(decl.ty.span, crate::diagnostics::flow::Misplaced { what });
         }
         let declared = self.ty(&decl.ty, TypeUse::Local);
+        self.constant_init = true;
         for variable in &decl.variables {
             let (init, ty) = self.initial_value(variable, declared, decl.ty.span);
             let standard = self.standard_annotations(&variable.annotations);
@@ -200,12 +196,12 @@ impl Checker<'_, '_> {
         name: ast::Ident,
         category: Option<ast::Path>,
         annotations: &[ast::Annotation],
-        fields: &[ast::Param],
+        declared: &[ast::Param],
     ) {
         let window = self.standard_annotations(annotations).window;
         let category = category.and_then(|path| self.category_of(path));
         self.annotations(annotations);
-        let fields = self.fields(name, fields, category);
+        let fields = self.fields(name, declared, category);
         let scalars = fields.iter().fold(0u64, |sum, field| sum.saturating_add(self.m.scalars(field.ty)));
         let limit = limits::VALUE_SCALARS;
         if scalars > limit {
@@ -218,6 +214,13 @@ impl Checker<'_, '_> {
         if too_deep {
             let (what, limit) = ("levels of structs within structs", limits::STRUCT_DEPTH.into());
             self.emit(name.span, LimitReached { what, limit });
+        }
+        if !declarative && !self.m.standard {
+            let holds = fields.iter().zip(declared).find(|(field, _)| self.m.is_declarative(field.ty));
+            if let Some((field, declared)) = holds {
+                let ty = self.display(field.ty);
+                self.emit(declared.ty.span, type_problems::ForbiddenField { ty });
+            }
         }
         // A struct that holds distribution functions is one of the values of materials, marked or not.
         let declarative = declarative || fields.iter().any(|field| self.m.is_declarative(field.ty));

@@ -344,7 +344,9 @@ impl<'a> Checker<'_, 'a> {
             let first = Some(self.m.sink.place(first));
             self.emit(span, name_problems::Redeclared { name: name.to_string(), first });
         }
-        if uses.iter().any(|used| &*used.name == "::anno::unused") || self.m.standard {
+        if uses.iter().any(|used| &*used.name == "::anno::unused") {
+            self.scopes.mark_unused();
+        } else if self.m.standard {
             self.scopes.allow_unused();
         }
         local

@@ -70,8 +70,6 @@ impl ModuleCx<'_> {
             .collect();
         let name = self.module.functions[callee].signature.name.to_string();
         self.sink.emit(span, problems::Recursion { name, through });
-        // A recursive function has no value.
-        self.module.functions[callee].kind = FunctionKind::Prototype;
     }
 
     /// Reports prototypes without definition that are exported or called.
@@ -165,6 +163,14 @@ impl ModuleCx<'_> {
         self.calls.iter().filter(|(caller, callee, _)| caller != callee).for_each(|(_, callee, _)| {
             called[*callee as usize] = true;
         });
+        for index in &self.meant_functions {
+            called[*index as usize] = true;
+        }
+        for (index, function) in self.module.functions.iter().enumerate() {
+            if let FunctionKind::Forward(definition) = function.kind {
+                called[definition.index as usize] |= called[index];
+            }
+        }
         for (function, called) in self.module.functions.iter().zip(called) {
             let marked = function.uses.iter().any(|used| &*used.name == "::anno::unused");
             let has_body = matches!(function.kind, FunctionKind::Expr(_) | FunctionKind::Block(_));

@@ -6,7 +6,8 @@
 //! if anything is assigned to it where control depends on something that varies. Loops are repeated
 //! until nothing changes.
 //!
-//! Does not: follow values through fields or elements (a struct varies as a whole).
+//! Does not: follow values through elements, and through fields only as far as a field is declared
+//! `uniform` (otherwise a struct varies as a whole).
 
 use super::ModuleCx;
 use super::hir::{Body, DefaultArg, ExprId, ExprKind, FunctionKind, LocalId, Signature, StmtId, StmtKind};
@@ -208,8 +209,11 @@ impl<'m, 'a, 'b> Analysis<'m, 'a, 'b> {
             }
             ExprKind::Default => self.default_of(expr.ty, expr.span),
             ExprKind::Local(local) => self.locals[local.0 as usize],
-            ExprKind::Unary(_, x) | ExprKind::Convert(x) | ExprKind::Member(x, _) | ExprKind::Category(x) => {
-                self.expr(*x)
+            ExprKind::Unary(_, x) | ExprKind::Convert(x) | ExprKind::Category(x) => self.expr(*x),
+            ExprKind::Member(x, index) => {
+                let whole = self.expr(*x);
+                // A uniform field was made from a uniform value.
+                if self.is_uniform_field(body.ty(*x), *index) { Freq::Uniform } else { whole }
             }
             ExprKind::Binary(_, x, y) | ExprKind::Index(x, y) => self.expr(*x).join(self.expr(*y)),
             ExprKind::Construct(parts) => self.join_all(parts),
@@ -303,6 +307,11 @@ impl<'m, 'a, 'b> Analysis<'m, 'a, 'b> {
             true => Freq::Varying(span),
             false => Freq::Uniform,
         }
+    }
+
+    fn is_uniform_field(&self, ty: Ty, index: u32) -> bool {
+        let field = ty.base.as_struct().and_then(|id| self.m.structure(id).fields.get(index as usize));
+        field.is_some_and(|field| field.uniform)
     }
 
     fn fields(&mut self, fields: &[Option<ExprId>], ty: Ty, span: Span) -> Freq {

@@ -112,6 +112,7 @@ impl Checker<'_, '_> {
             return;
         };
         self.flow = Flow::of(declared_result);
+        self.ordinary = declared_result.is_some() && !self.m.signature(id).declarative;
         let kind = self.function_body(function, declared_result, &standard);
         if declared_result.is_none() {
             self.deduce_result(id, kind, function.result.span);
@@ -130,10 +131,11 @@ impl Checker<'_, '_> {
         self.params = params.len();
         for param in params {
             let ty = self.ty(&param.ty, TypeUse::Param).unwrap_or(Ty::ERROR);
-            let frequency = param.ty.frequency;
+            let mut frequency = param.ty.frequency;
             if ty.is_resource() && frequency != Some(Frequency::Uniform) {
                 let ty = self.display(ty);
                 self.emit(param.ty.span, type_problems::ResourceNotUniform { ty });
+                frequency = Some(Frequency::Uniform);
             }
             let (name, span): (Arc<str>, _) = (self.name_of(param.name).into(), param.name.span);
             self.body.push_local(Local { name: name.clone(), ty, frequency, mutable: true, span });
@@ -183,7 +185,9 @@ impl Checker<'_, '_> {
             let first = self.m.sink.place(first);
             self.emit(param.name.span, problems::DuplicateParameter { name: name.to_string(), first });
         }
-        if uses.iter().any(|used| &*used.name == "::anno::unused") || self.m.standard {
+        if uses.iter().any(|used| &*used.name == "::anno::unused") {
+            self.scopes.mark_unused();
+        } else if self.m.standard {
             self.scopes.allow_unused();
         }
     }
@@ -298,7 +302,7 @@ impl Checker<'_, '_> {
                 self.imperative = true;
                 let (block, end_reached) = self.stmt(block);
                 self.imperative = false;
-                if end_reached {
+                if end_reached && self.nodes.lost.is_empty() {
                     let name = self.name_of(function.name).to_string();
                     self.emit(function.name.span, flow_problems::MissingReturn { name });
                 }

@@ -20,11 +20,15 @@ impl<'a> Checker<'_, 'a> {
         if is_value && !local.used && !local.may_be_unused {
             self.emit(local.span, unused(local.name.to_string()));
         }
+        if local.used && local.marked {
+            self.emit(local.span, name_problems::UsedThoughMarked { name: local.name.to_string() });
+        }
     }
 
     /// Warns of divisions by zero, and of comparisons and subtractions of a value with itself.
     pub(super) fn lint_binary(&mut self, op: BinaryOp, x: ExprId, y: ExprId, span: Span) {
         if matches!(op, BinaryOp::Div | BinaryOp::Rem)
+            && !self.constant_init
             && let ExprKind::Constant(Value::Int(0)) = self.body.expr(y).kind
         {
             self.emit(span, type_problems::DivisionByZero {});

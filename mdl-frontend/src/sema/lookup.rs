@@ -143,12 +143,20 @@ impl<'a> Checker<'_, 'a> {
         if let Some(value) = self.expected_enum.and_then(|id| self.enumerator(id, name)) {
             return Some(vec![value]);
         }
-        if !annotation {
+        if !annotation && !self.is_lost(name) {
             let similar = self.m.similar_name(name, self.scopes.names());
             let later = self.m.declared_later(name).map(|span| self.m.sink.place(span));
             self.emit(span, problems::UnknownName { name: name.to_string(), similar, later });
         }
         None
+    }
+
+    /// Whether a name occurs in what the parser skipped: its declaration may have been there.
+    pub(super) fn is_lost(&self, name: &str) -> bool {
+        let is_error = |item: &&ast::Item| matches!(item.kind, ast::ItemKind::Error);
+        let items = self.m.syntax.items.iter().filter(is_error).map(|item| item.span);
+        let lost = self.nodes.lost.iter().copied().chain(items);
+        lost.into_iter().any(|span| contains_word(self.m.text(span), name))
     }
 
     /// A value of an enumeration by its name alone.
@@ -211,6 +219,13 @@ impl<'a> Checker<'_, 'a> {
         }
         Cow::Owned(self.m.path_segments(self.text, modules).join("::"))
     }
+}
+
+/// Whether a text contains a name as a whole word.
+fn contains_word(text: &str, name: &str) -> bool {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    text.match_indices(name)
+        .any(|(at, _)| !text[..at].ends_with(is_part) && !text[at + name.len()..].starts_with(is_part))
 }
 
 impl<'a> ModuleCx<'a> {

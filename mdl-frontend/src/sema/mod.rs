@@ -115,6 +115,8 @@ pub struct ModuleCx<'a> {
     first_declaration: Option<Span>,
     /// Calls of the module's own functions: caller, callee, place.
     calls: Vec<(u32, u32, Span)>,
+    /// Own functions that are meant by calls which do not fit them.
+    meant_functions: FxHashSet<u32>,
     /// Own constants that are used.
     used_constants: FxHashSet<u32>,
     /// Types for the folder.
@@ -140,6 +142,7 @@ impl<'a> ModuleCx<'a> {
             aliases: FxHashMap::default(),
             first_declaration: None,
             calls: Vec::new(),
+            meant_functions: FxHashSet::default(),
             used_constants: FxHashSet::default(),
             types: TypeTable::default(),
         }
@@ -233,6 +236,10 @@ pub struct Checker<'m, 'a> {
     literals: FxHashMap<hir::ExprId, f64>,
     /// Values may be changed: this is the body of a function.
     imperative: bool,
+    /// This is the value of a constant, where everything doubtful is an error.
+    constant_init: bool,
+    /// This is the body of a function with an ordinary result, where nothing declarative can be called.
+    ordinary: bool,
     flow: stmt::Flow,
     /// Types that names stand for in a standard module's families of overloads.
     family: Vec<(&'static str, Ty)>,
@@ -254,6 +261,8 @@ impl<'m, 'a> Checker<'m, 'a> {
             symbols: Vec::new(),
             literals: FxHashMap::default(),
             imperative: false,
+            constant_init: false,
+            ordinary: false,
             flow: stmt::Flow::default(),
             family: Vec::new(),
             calls: Vec::new(),

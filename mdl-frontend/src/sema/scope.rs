@@ -171,6 +171,8 @@ pub struct LocalName<'a> {
     pub used: bool,
     /// Nobody minds if it is not.
     pub may_be_unused: bool,
+    /// It is annotated to be unused.
+    pub marked: bool,
 }
 
 impl<'a> LocalScopes<'a> {
@@ -198,9 +200,13 @@ impl<'a> LocalScopes<'a> {
     pub fn declare(&mut self, name: &'a str, entry: LocalEntry, span: Span) -> Option<Span> {
         let start = self.blocks.last().copied().unwrap_or(0);
         let indices = self.by_name.entry(name).or_default();
-        let taken = indices.last().filter(|index| **index >= start).map(|index| self.entries[*index].span);
+        let taken = indices.last().filter(|index| **index >= start).map(|index| {
+            // Whatever uses the name is no evidence against the first declaration.
+            self.entries[*index].used = true;
+            self.entries[*index].span
+        });
         indices.push(self.entries.len());
-        self.entries.push(LocalName { name, entry, span, used: false, may_be_unused: false });
+        self.entries.push(LocalName { name, entry, span, used: false, may_be_unused: false, marked: false });
         taken
     }
 
@@ -208,6 +214,14 @@ impl<'a> LocalScopes<'a> {
     pub fn allow_unused(&mut self) {
         if let Some(last) = self.entries.last_mut() {
             last.may_be_unused = true;
+        }
+    }
+
+    /// Says that the name declared last is annotated to be unused.
+    pub fn mark_unused(&mut self) {
+        self.allow_unused();
+        if let Some(last) = self.entries.last_mut() {
+            last.marked = true;
         }
     }
 

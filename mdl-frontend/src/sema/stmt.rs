@@ -163,6 +163,7 @@ impl<'a> Checker<'_, 'a> {
             && let Some(param) = self.body.locals.iter().take(self.params).find(|local| &*local.name == text)
         {
             let parameter = self.m.sink.place(param.span);
+            self.scopes.find(text);
             self.emit(name.span, name_problems::ParameterShadowed { name: text.to_string(), parameter });
         }
     }

@@ -53,7 +53,9 @@ impl<'a> Checker<'_, 'a> {
         if path.len == 1 && !path.absolute && !self.is_known(name) {
             let types = self.m.scope.all_names().filter(|name| self.is_type_name(name));
             let similar = similar(name, types.chain(KEYWORD_TYPES.iter().copied()));
-            self.emit(path.span, name_problems::UnknownType { name: name.to_string(), similar });
+            if !self.is_lost(name) {
+                self.emit(path.span, name_problems::UnknownType { name: name.to_string(), similar });
+            }
             return Ty::ERROR;
         }
         match self.lookup(path) {

@@ -71,6 +71,8 @@ pub struct Nodes {
     pub stmts: Vec<Stmt>,
     /// Names that paths consist of.
     pub idents: Vec<Ident>,
+    /// What the parser skipped after errors; names in it may have been declarations.
+    pub lost: Vec<Span>,
 }
 
 impl Nodes {

@@ -1,7 +1,7 @@
 //! What the grammar's actions call: makes nodes, reads literals, and limits the depth of nesting.
 
 use super::ast::*;
-use super::literals::{self, LiteralError};
+use super::literals;
 use super::token::Token;
 use crate::diagnostics::{Sink, syntax as problems};
 use crate::limits;
@@ -39,8 +39,10 @@ impl<'s> Builder<'s> {
         }
     }
 
-    /// Keeps an error from which the parser recovers.
-    pub fn recovered(&mut self, recovery: ErrorRecovery<u32, Token, ()>) {
+    /// Keeps an error from which the parser recovers, and remembers what is lost with it.
+    pub fn recovered(&mut self, start: u32, end: u32, recovery: ErrorRecovery<u32, Token, ()>) {
+        let end = recovery.dropped_tokens.last().map_or(end, |(_, _, last)| end.max(*last));
+        self.nodes.lost.push(Span { start, end });
         self.recoveries.push(recovery);
     }
 
@@ -52,16 +54,6 @@ impl<'s> Builder<'s> {
     /// A name of a path, which [`Self::path`] then collects.
     pub fn path_ident(&mut self, start: u32, end: u32) {
         let span = Span { start, end };
-        if self.slice(span).starts_with('\'') {
-            let problem = match literals::string(self.slice(span)) {
-                (name, None) if name.is_empty() => Some("a name in quotes may not be empty"),
-                (_, None) => None,
-                (_, Some(_)) => Some("a name in single quotes is not closed or has a bad escape sequence"),
-            };
-            if let Some(reason) = problem {
-                self.sink.emit(span, problems::BadUnicodeName { reason });
-            }
-        }
         self.nodes.idents.push(Ident { span });
     }
 
@@ -132,10 +124,8 @@ impl<'s> Builder<'s> {
     /// An integer literal.
     pub fn int(&mut self, start: u32, end: u32) -> ExprId {
         let span = Span { start, end };
-        let value = literals::integer(self.slice(span)).unwrap_or_else(|error| {
-            self.literal_error(span, error);
-            0
-        });
+        // The lexer has reported what is wrong with a literal.
+        let value = literals::integer(self.slice(span)).unwrap_or_default();
         self.push_expr(span, ExprKind::Int(value), 1)
     }
 
@@ -154,11 +144,7 @@ impl<'s> Builder<'s> {
     /// A further one of adjacent string literals.
     pub fn string_part(&mut self, start: u32, end: u32) {
         let span = Span { start, end };
-        let (value, error) = literals::string(self.slice(span));
-        self.string.push_str(&value);
-        if let Some(error) = error {
-            self.literal_error(span, error);
-        }
+        self.string.push_str(&literals::string(self.slice(span)).0);
     }
 
     /// The text of the adjacent string literals.
@@ -190,18 +176,6 @@ impl<'s> Builder<'s> {
 
     fn slice(&self, span: Span) -> &'s str {
         &self.text[span.start as usize..span.end as usize]
-    }
-
-    fn literal_error(&mut self, span: Span, error: LiteralError) {
-        match error {
-            LiteralError::Overflow(limit) => self.sink.emit(span, problems::IntegerOverflow { limit }),
-            LiteralError::Octal => self.sink.emit(span, problems::BadOctal {}),
-            LiteralError::Unterminated => self.sink.emit(span, problems::UnterminatedString {}),
-            LiteralError::Escape(offset, length, reason) => {
-                let start = span.start as usize + offset;
-                self.sink.emit(Span::new(start, start + length), problems::BadEscape { reason });
-            }
-        }
     }
 
     fn report_too_deep(&mut self, span: Span) {

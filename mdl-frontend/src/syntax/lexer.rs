@@ -4,6 +4,7 @@
 //! version of the module first, because words become keywords over time, and drops blanks and comments;
 //! [`comments`] finds the latter again.
 
+use super::literals::{self, LiteralError};
 use super::token::{Before, LexError, Token};
 use super::version::Version;
 use crate::diagnostics::{Sink, syntax as problems};
@@ -189,6 +190,11 @@ fn push(
         }
         _ => token,
     };
+    check_literal(token, span, text, sink);
+    let since = Version::new(1, 8);
+    if token == Token::UnicodeIdent && version < since {
+        sink.emit(span, problems::NeedsVersion { what: "a name in quotes", since, version });
+    }
     match (tokens.last().copied(), token) {
         (Some((Token::LeftBracket, open)), Token::Less) => {
             tokens.pop();
@@ -199,6 +205,33 @@ fn push(
             tokens.push((Token::RightDeferred, open.to(span)));
         }
         _ => tokens.push((token, span)),
+    }
+}
+
+/// Reports what is wrong with a literal; its value is read where it is used.
+fn check_literal(token: Token, span: Span, text: &str, sink: &mut Sink) {
+    let slice = &text[span.start as usize..span.end as usize];
+    let error = match token {
+        Token::Int => literals::integer(slice).err(),
+        Token::String => literals::string(slice).1,
+        Token::UnicodeIdent => {
+            let (name, error) = literals::string(slice);
+            if name.is_empty() && error.is_none() {
+                sink.emit(span, problems::BadUnicodeName { reason: "a name in quotes may not be empty" });
+            }
+            error
+        }
+        _ => None,
+    };
+    match error {
+        None => {}
+        Some(LiteralError::Overflow(limit)) => sink.emit(span, problems::IntegerOverflow { limit }),
+        Some(LiteralError::Octal) => sink.emit(span, problems::BadOctal {}),
+        Some(LiteralError::Unterminated) => sink.emit(span, problems::UnterminatedString {}),
+        Some(LiteralError::Escape(offset, length, reason)) => {
+            let start = span.start as usize + offset;
+            sink.emit(Span::new(start, start + length), problems::BadEscape { reason });
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::grammar;
 use super::items::{self, RawItem};
 use super::lexer;
+use super::literals::{self, LiteralError};
 use super::token::Token;
 use super::version::Version;
 use crate::diagnostics::{Sink, similar, syntax as problems};
@@ -90,8 +91,9 @@ impl Errors<'_> {
             let last = dropped_tokens.iter().map(|(_, _, end)| *end).max().unwrap_or(span.end);
             let follows = recovered_until.is_some_and(|until| span.start <= until);
             recovered_until = recovered_until.max(Some(last));
-            // The missing bracket and the unknown character are the errors to show.
-            let reported = (self.unclosed && span.start >= self.end) || token(&error) == Some(Token::Unknown);
+            // The missing bracket or quote and the unknown character are the errors to show.
+            let swallowed = self.unclosed || self.has_open_string();
+            let reported = (swallowed && span.start >= self.end) || token(&error) == Some(Token::Unknown);
             if !follows && !reported {
                 self.report_one(span, &error, sink);
             }
@@ -126,17 +128,31 @@ impl Errors<'_> {
             let keywords = expected.iter().filter_map(|name| name.strip_prefix('"')?.strip_suffix('"'));
             Some((span, similar(self.slice(span), keywords.filter(|keyword| keyword.len() > 2))?))
         });
-        // A statement that starts with a misspelt keyword reads as a type until the token behind it.
+        // A misspelt keyword reads as a type until the token behind it, or as a call until the body.
         here.or_else(|| {
-            let span = name(index.checked_sub(1)?)?;
-            Some((
-                span,
-                similar(
-                    self.slice(span),
-                    STATEMENT.iter().chain(DECLARATION).copied().filter(|word| word.len() > 3),
-                )?,
-            ))
+            let start = self.statement_start(index);
+            let span = name(index.checked_sub(1)?).or_else(|| name(start))?;
+            let keywords = STATEMENT.iter().chain(DECLARATION).copied().filter(|word| word.len() > 3);
+            Some((span, similar(self.slice(span), keywords)?))
         })
+    }
+
+    /// The first token of the statement that a token belongs to.
+    fn statement_start(&self, index: usize) -> usize {
+        let ends = |(token, _): &(Token, Span)| {
+            matches!(token, Token::Semicolon | Token::LeftBrace | Token::RightBrace | Token::Colon)
+        };
+        let before = &self.tokens[..index.min(self.tokens.len())];
+        before.iter().rposition(ends).map_or(0, |end| end + 1)
+    }
+
+    /// Whether a string that is never closed has swallowed the end of its line.
+    fn has_open_string(&self) -> bool {
+        let open = |(token, span): &(Token, Span)| {
+            let unterminated = || literals::string(self.slice(*span)).1 == Some(LiteralError::Unterminated);
+            *token == Token::String && unterminated()
+        };
+        self.tokens.last().is_some_and(open)
     }
 
     fn slice(&self, span: Span) -> &str {
