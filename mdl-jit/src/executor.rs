@@ -49,7 +49,8 @@ impl Executor<'_> {
             Self::Cpu => Kernel::compile(module, info, function, signature, options)?.run(batch)?,
             #[cfg(feature = "gpu_later")]
             Self::Gpu(context) => {
-                crate::gpu::Kernel::compile(context, module, info, function, signature, options)?.run(batch)?;
+                crate::gpu::Kernel::compile(context, module, info, function, signature, options)?
+                    .run(batch)?;
             }
             #[cfg(not(feature = "gpu_later"))]
             Self::None(never, _) => match *never {},
@@ -71,9 +72,8 @@ impl Program {
     /// Validates a module, allowing what the executors can run.
     pub fn new(module: naga::Module) -> Result<Self, crate::CompileError> {
         use naga::valid::{Capabilities, ValidationFlags, Validator};
-        let capabilities = Capabilities::FLOAT64
-            | Capabilities::SHADER_INT64
-            | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        let capabilities =
+            Capabilities::FLOAT64 | Capabilities::SHADER_INT64 | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|e| {
             let mut text = e.as_inner().to_string();
             let mut cause = std::error::Error::source(e.as_inner());

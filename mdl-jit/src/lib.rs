@@ -14,12 +14,13 @@ pub mod interp;
 pub mod options;
 pub mod plan;
 pub mod semantics;
+pub mod texture;
 pub mod types;
 
-pub use cranelift::Kernel;
 pub use batch::{ArgMode, Argument, Batch, Buffer, Input, Mode, Output, Signature};
-pub use executor::{Executor, Program};
+pub use cranelift::Kernel;
 pub use error::{CompileError, Error, Fault, Unsupported};
+pub use executor::{Executor, Program};
 pub use externs::{Call, Externs, HostFunction};
 pub use interp::Interpreter;
 pub use options::{Lanes, Options, Target, Tier};

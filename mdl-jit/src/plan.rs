@@ -334,9 +334,7 @@ fn constant(
             }
             out
         }
-        Expression::Splat { size, value } => {
-            constant(module, types, value)?.repeat(usize::from(size as u8))
-        }
+        Expression::Splat { size, value } => constant(module, types, value)?.repeat(usize::from(size as u8)),
         Expression::Override(_) => return Err(Unsupported::Override),
         ref other => return Err(Unsupported::Expression(format!("{other:?}"))),
     })

@@ -4,8 +4,8 @@
 //! column's last points in a row of four, filled up with the last one, so that all lanes hold a real
 //! point; of the results as many are copied back as there are points.
 
-use super::abi::{ArgWords, CONSTANTS, FAULT, HOST};
 use super::Inner;
+use super::abi::{ArgWords, CONSTANTS, FAULT, HOST};
 use crate::batch::{Argument, Batch, Input, Mode, Output};
 use crate::error::Fault;
 use crate::externs::HostFunction;

@@ -8,9 +8,9 @@ use std::mem::ManuallyDrop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
+use cranelift_codegen::Context;
 use cranelift_codegen::ir::{self, AbiParam, FuncRef, Signature, types};
 use cranelift_codegen::isa::OwnedTargetIsa;
-use cranelift_codegen::Context;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module};
 
@@ -133,9 +133,8 @@ extern "C" fn call_host(
     // SAFETY: generated code passes the table of its context, which `bind` fills with one function per
     // number, and a stack slot of as many rows as `counts` says.
     #[allow(unsafe_code, reason = "the arguments are addresses in generated code")]
-    let (function, rows) = unsafe {
-        (*table.add(number as usize), std::slice::from_raw_parts_mut(rows, args + results))
-    };
+    let (function, rows) =
+        unsafe { (*table.add(number as usize), std::slice::from_raw_parts_mut(rows, args + results)) };
     let (args, results) = rows.split_at_mut(args);
     let mask = std::array::from_fn(|lane| mask & (1 << lane) != 0);
     let mut call = Call { args, results, mask };

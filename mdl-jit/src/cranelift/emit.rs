@@ -367,8 +367,7 @@ impl Emit<'_> {
 
     /// Rounding without an instruction for it: numbers from 2²³ on are integers already.
     fn round_by_hand(&mut self, op: Unary, varying: bool, x: Value) -> Value {
-        let (ints, floats) =
-            if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
+        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
         let limit = self.float_const(varying, 8388608.0);
         let one = self.float_const(varying, 1.0);
         let a = self.b.ins().fabs(x);
@@ -400,7 +399,8 @@ impl Emit<'_> {
 
     fn copy_sign(&mut self, ints: Type, floats: Type, x: Value, sign: Value) -> Value {
         let (x, sign) = (self.cast(ints, x), self.cast(ints, sign));
-        let mask = if ints == types::I32 { self.int_const(1 << 31) } else { self.vector_const(ints, 1 << 31) };
+        let mask =
+            if ints == types::I32 { self.int_const(1 << 31) } else { self.vector_const(ints, 1 << 31) };
         let sign = self.b.ins().band(sign, mask);
         let x = self.b.ins().band_not(x, mask);
         let r = self.b.ins().bor(x, sign);
@@ -424,8 +424,7 @@ impl Emit<'_> {
     }
 
     fn convert_value(&mut self, from: Kind, to: Kind, varying: bool, x: Value) -> Value {
-        let (ints, floats) =
-            if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
+        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
         match (from, to) {
             (Kind::F32, Kind::Bool) => {
                 let zero = self.float_const(varying, 0.0);
@@ -507,7 +506,8 @@ impl Scalars for Emit<'_> {
             return self.leaf(kind, true, value);
         }
         let (c, t, f) = (self.scalar(c), self.scalar(t), self.scalar(f));
-        let value = if kind == Kind::F32 { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
+        let value =
+            if kind == Kind::F32 { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
         self.leaf(kind, false, value)
     }
 

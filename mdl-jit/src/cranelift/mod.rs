@@ -184,8 +184,9 @@ fn lower(
         context.func.signature = code::signature(isa);
         let [host, native] = imports(&mut context.func);
         let imports = Imports { host, native };
-        found = lower::lower(&job, &mut flags, &mut context.func, &mut builder, imports, isa.frontend_config())
-            .map_err(|(at, cause)| CompileError::Unsupported {
+        found =
+            lower::lower(&job, &mut flags, &mut context.func, &mut builder, imports, isa.frontend_config())
+                .map_err(|(at, cause)| CompileError::Unsupported {
                 function: names.get(at).cloned().unwrap_or_default(),
                 cause,
             })?;
@@ -214,7 +215,9 @@ fn refuse_wide(plan: &Plan<'_>) -> Result<(), CompileError> {
         let all = f.types.iter().chain(&f.args).chain(&f.result).copied();
         for ty in all.chain(f.locals.iter().map(|l| l.ty)) {
             let wide = match plan.types[ty].shape {
-                Shape::Scalar(k) | Shape::Vector { kind: k, .. } | Shape::Matrix { kind: k, .. } => k.is_wide(),
+                Shape::Scalar(k) | Shape::Vector { kind: k, .. } | Shape::Matrix { kind: k, .. } => {
+                    k.is_wide()
+                }
                 Shape::Pointer(_) | Shape::Opaque(_) => false,
                 _ => plan.types.kinds(ty).is_ok_and(|kinds| kinds.into_iter().any(Kind::is_wide)),
             };

@@ -183,7 +183,8 @@ impl Builder<'_, '_> {
                 AddressSpace::Private => {
                     let kinds = self.plan.types.bytes(g.ty);
                     let span = self.alloc(self.leaves(g.ty))?;
-                    let init = g.init.as_ref().map(|b| Ok(words::<R>(b, kinds.as_ref().map_err(Clone::clone)?)));
+                    let init =
+                        g.init.as_ref().map(|b| Ok(words::<R>(b, kinds.as_ref().map_err(Clone::clone)?)));
                     privates.push((span, init.transpose()?));
                     Pointer { space: Space::Memory, of: 0, offset: span.at }
                 }
@@ -226,7 +227,12 @@ impl Builder<'_, '_> {
         Ok(routine)
     }
 
-    fn expression<R: Real>(&mut self, r: &Routine, node: &Node, ty: TyId) -> Result<(Code, Span), Unsupported> {
+    fn expression<R: Real>(
+        &mut self,
+        r: &Routine,
+        node: &Node,
+        ty: TyId,
+    ) -> Result<(Code, Span), Unsupported> {
         let at = |e: usize| r.code[e].1;
         let leaves = self.leaves(ty);
         Ok(match *node {

@@ -78,7 +78,18 @@ impl<'m, R: Real> Interpreter<'m, R> {
         }
         let buffers = plan.globals.iter().enumerate().map(|(i, g)| buffer_size(&plan, i, g.space)).collect();
         let (root, budget) = (function, options.steps);
-        Ok(Self { module, root, image, interface, names, replaced, kinds, buffers, budget, real: PhantomData })
+        Ok(Self {
+            module,
+            root,
+            image,
+            interface,
+            names,
+            replaced,
+            kinds,
+            buffers,
+            budget,
+            real: PhantomData,
+        })
     }
 
     /// Runs the function on every point of `batch`. Columns of `f64` are welcome.

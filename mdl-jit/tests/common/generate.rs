@@ -47,8 +47,22 @@ impl Ty {
 
 const SCALARS: [Ty; 4] = [Ty::F, Ty::I, Ty::U, Ty::B];
 const VALUES: [Ty; 16] = [
-    Ty::F, Ty::F, Ty::F, Ty::I, Ty::U, Ty::B, Ty::V(2), Ty::V(3), Ty::V(4), Ty::VI(3), Ty::VU(2), Ty::M(2),
-    Ty::M(3), Ty::AF, Ty::AI, Ty::S,
+    Ty::F,
+    Ty::F,
+    Ty::F,
+    Ty::I,
+    Ty::U,
+    Ty::B,
+    Ty::V(2),
+    Ty::V(3),
+    Ty::V(4),
+    Ty::VI(3),
+    Ty::VU(2),
+    Ty::M(2),
+    Ty::M(3),
+    Ty::AF,
+    Ty::AI,
+    Ty::S,
 ];
 
 struct Function {
@@ -105,7 +119,9 @@ impl Generator {
     fn module(&mut self) {
         self.out.push_str("struct S { a: f32, b: vec3<f32>, c: array<i32, 4>, d: u32, e: bool }\n");
         self.out.push_str("struct Out { a: f32, b: vec3<f32>, c: i32, d: u32, e: u32 }\n");
-        self.out.push_str("const TABLE = array<f32, 12>(0.5, 1.5, -2.0, 3.25, 0.0, 7.0, -0.25, 9.0, 1.0, 2.0, 4.0, 8.0);\n");
+        self.out.push_str(
+            "const TABLE = array<f32, 12>(0.5, 1.5, -2.0, 3.25, 0.0, 7.0, -0.25, 9.0, 1.0, 2.0, 4.0, 8.0);\n",
+        );
         self.out.push_str("var<private> state: vec2<u32>;\n\n");
         for i in 0..self.r.below(4) {
             let mut args = vec![];
@@ -124,13 +140,28 @@ impl Generator {
 
     fn constants(&mut self) {
         self.out.push_str("  let k0 = 0.0; let k1 = 1.0; let k2 = -2.5; let k3 = 0.125; let k4 = 1e10;\n");
-        self.out.push_str("  var i0 = 0i; let i1 = 1i; var i2 = -3i; var i3 = 7i; var i4: i32 = -2147483648;\n");
+        self.out
+            .push_str("  var i0 = 0i; let i1 = 1i; var i2 = -3i; var i3 = 7i; var i4: i32 = -2147483648;\n");
         self.out.push_str("  var u0 = 0u; let u1 = 1u; var u2 = 5u; var u3 = 33u; var u4 = 4294967295u;\n");
         self.out.push_str("  let t = true; let n = false;\n");
         for (text, ty) in [
-            ("k0", Ty::F), ("k1", Ty::F), ("k2", Ty::F), ("k3", Ty::F), ("k4", Ty::F), ("i0", Ty::I),
-            ("i1", Ty::I), ("i2", Ty::I), ("i3", Ty::I), ("i4", Ty::I), ("u0", Ty::U), ("u1", Ty::U),
-            ("u2", Ty::U), ("u3", Ty::U), ("u4", Ty::U), ("t", Ty::B), ("n", Ty::B),
+            ("k0", Ty::F),
+            ("k1", Ty::F),
+            ("k2", Ty::F),
+            ("k3", Ty::F),
+            ("k4", Ty::F),
+            ("i0", Ty::I),
+            ("i1", Ty::I),
+            ("i2", Ty::I),
+            ("i3", Ty::I),
+            ("i4", Ty::I),
+            ("u0", Ty::U),
+            ("u1", Ty::U),
+            ("u2", Ty::U),
+            ("u3", Ty::U),
+            ("u4", Ty::U),
+            ("t", Ty::B),
+            ("n", Ty::B),
         ] {
             self.names.push(Name { text: text.into(), ty, mutable: false, pointer: false });
         }
@@ -165,7 +196,8 @@ impl Generator {
             self.names.push(Name { text: text.into(), ty, mutable: false, pointer: false });
         }
         self.out.push_str("  var o: Out;\n");
-        for (text, ty) in [("o.a", Ty::F), ("o.b", Ty::V(3)), ("o.c", Ty::I), ("o.d", Ty::U), ("o.e", Ty::U)] {
+        for (text, ty) in [("o.a", Ty::F), ("o.b", Ty::V(3)), ("o.c", Ty::I), ("o.d", Ty::U), ("o.e", Ty::U)]
+        {
             self.names.push(Name { text: text.into(), ty, mutable: true, pointer: true });
         }
         (self.budget, self.loops, self.in_loop, self.in_switch) = (18, 0, false, false);
@@ -175,7 +207,8 @@ impl Generator {
         // `f` returns its own struct.
         let body = self.out.split_off(before).replace("return RESULT;", "return o;");
         self.out.push_str(&body);
-        let (a, b, c, d) = (self.expr(Ty::F, 3), self.expr(Ty::V(3), 2), self.expr(Ty::I, 3), self.expr(Ty::U, 2));
+        let (a, b, c, d) =
+            (self.expr(Ty::F, 3), self.expr(Ty::V(3), 2), self.expr(Ty::I, 3), self.expr(Ty::U, 2));
         let _ = writeln!(self.out, "  o.a += {a}; o.b = {b}; o.c = o.c + {c}; o.d ^= {d};");
         self.out.push_str("  o.e = state.x ^ state.y;\n  return o;\n}\n");
     }
@@ -301,7 +334,8 @@ impl Generator {
                 (format!("{text}.{c}"), Ty::F)
             }
             Ty::M(n) if self.r.chance(60) => {
-                let column = if self.r.chance(50) { index(self) } else { self.r.below(u32::from(n)).to_string() };
+                let column =
+                    if self.r.chance(50) { index(self) } else { self.r.below(u32::from(n)).to_string() };
                 self.part(format!("{text}[{column}]"), Ty::V(n))
             }
             Ty::S if self.r.chance(70) => match self.r.below(5) {
@@ -459,20 +493,25 @@ impl Generator {
     }
 
     fn call(&mut self, ty: Ty) -> Option<String> {
-        let fitting: Vec<usize> = (0..self.functions.len()).filter(|&i| self.functions[i].result == ty).collect();
+        let fitting: Vec<usize> =
+            (0..self.functions.len()).filter(|&i| self.functions[i].result == ty).collect();
         if fitting.is_empty() {
             return None;
         }
         let f = self.r.pick(&fitting);
-        let (name, args, pointers) =
-            (self.functions[f].name.clone(), self.functions[f].args.clone(), self.functions[f].pointers.clone());
+        let (name, args, pointers) = (
+            self.functions[f].name.clone(),
+            self.functions[f].args.clone(),
+            self.functions[f].pointers.clone(),
+        );
         let mut list: Vec<String> = args.iter().map(|&a| self.expr(a, 1)).collect();
         let mut used: Vec<String> = Vec::new();
         for p in pointers {
             // Distinct variables: two pointers to one must not be written through.
-            let found = self.names.iter().find(|n| {
-                n.mutable && n.ty == p && !n.text.contains('.') && !used.contains(&n.text)
-            })?;
+            let found = self
+                .names
+                .iter()
+                .find(|n| n.mutable && n.ty == p && !n.text.contains('.') && !used.contains(&n.text))?;
             used.push(found.text.clone());
             list.push(format!("&{}", found.text));
         }
@@ -491,7 +530,9 @@ impl Generator {
             13 => format!("min({x}, {y})"),
             14 => format!("max({x}, {y})"),
             15 => {
-                let f = self.r.pick(&["abs", "floor", "ceil", "round", "trunc", "fract", "sign", "saturate", "sqrt"]);
+                let f = self
+                    .r
+                    .pick(&["abs", "floor", "ceil", "round", "trunc", "fract", "sign", "saturate", "sqrt"]);
                 format!("{f}({x})")
             }
             16 => format!("step({x}, {y})"),
@@ -513,7 +554,8 @@ impl Generator {
             23 => format!("inverseSqrt({x})"),
             24 => format!("bitcast<f32>({})", self.expr(Ty::U, d)),
             25 => {
-                let f = self.r.pick(&["sin", "cos", "exp", "log", "exp2", "log2", "tan", "atan", "tanh", "asin"]);
+                let f =
+                    self.r.pick(&["sin", "cos", "exp", "log", "exp2", "log2", "tan", "atan", "tanh", "asin"]);
                 format!("{f}({x})")
             }
             26 => {
@@ -529,7 +571,8 @@ impl Generator {
             }
             31 => format!("TABLE[{}]", self.expr(if d > 0 { Ty::I } else { Ty::U }, d)),
             32 => {
-                let f = self.r.pick(&["unpack2x16float", "unpack2x16snorm", "unpack4x8unorm", "unpack4x8snorm"]);
+                let f =
+                    self.r.pick(&["unpack2x16float", "unpack2x16snorm", "unpack4x8unorm", "unpack4x8snorm"]);
                 format!("{f}({}).y", self.expr(Ty::U, d))
             }
             _ => format!("quantizeToF16({x})"),
@@ -541,7 +584,18 @@ impl Generator {
         match self.r.below(18) {
             0..=8 => self.int_operator(&x, &y, d),
             9 => {
-                let f = self.r.pick(&["abs", "sign", "-", "~", "countOneBits", "reverseBits", "firstLeadingBit", "firstTrailingBit", "countLeadingZeros", "countTrailingZeros"]);
+                let f = self.r.pick(&[
+                    "abs",
+                    "sign",
+                    "-",
+                    "~",
+                    "countOneBits",
+                    "reverseBits",
+                    "firstLeadingBit",
+                    "firstTrailingBit",
+                    "countLeadingZeros",
+                    "countTrailingZeros",
+                ]);
                 format!("({f}({x}))")
             }
             10 => format!("{}({x}, {y})", self.r.pick(&["min", "max"])),
@@ -571,7 +625,14 @@ impl Generator {
         match self.r.below(18) {
             0..=8 => self.int_operator(&x, &y, d),
             9 => {
-                let f = self.r.pick(&["~", "countOneBits", "reverseBits", "firstLeadingBit", "firstTrailingBit", "abs"]);
+                let f = self.r.pick(&[
+                    "~",
+                    "countOneBits",
+                    "reverseBits",
+                    "firstLeadingBit",
+                    "firstTrailingBit",
+                    "abs",
+                ]);
                 format!("({f}({x}))")
             }
             10 => format!("{}({x}, {y})", self.r.pick(&["min", "max"])),

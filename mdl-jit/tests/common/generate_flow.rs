@@ -30,13 +30,18 @@ pub fn program(seed: u32) -> String {
     };
     g.out.push_str("var<private> p: u32;\n");
     for i in 0..g.r.below(3) {
-        let _ = writeln!(g.out, "fn g{i}(a: u32, s: ptr<function, u32>) -> u32 {{\n  var x = a; var y = 1u; var z = 0u;");
+        let _ = writeln!(
+            g.out,
+            "fn g{i}(a: u32, s: ptr<function, u32>) -> u32 {{\n  var x = a; var y = 1u; var z = 0u;"
+        );
         g.budget = 10;
         g.block(1);
         g.out.push_str("  return x + y;\n}\n");
         g.functions = i + 1;
     }
-    g.out.push_str("fn f(a: u32) -> vec4<u32> {\n  var x = a; var y = 1u; var z = 0u; var w = 3u; let s = &w;\n");
+    g.out.push_str(
+        "fn f(a: u32) -> vec4<u32> {\n  var x = a; var y = 1u; var z = 0u; var w = 3u; let s = &w;\n",
+    );
     g.budget = 22;
     let before = g.out.len();
     g.block(1);
@@ -175,7 +180,11 @@ impl Flow {
                 self.block(depth + 1);
                 self.loops.pop();
                 let k = self.number();
-                let more = if self.r.chance(50) { format!(" || ((x >> {}u) & 1u) == 1u", k % 7) } else { String::new() };
+                let more = if self.r.chance(50) {
+                    format!(" || ((x >> {}u) & 1u) == 1u", k % 7)
+                } else {
+                    String::new()
+                };
                 let trace = self.r.pick(&["x", "y", "z", "*s"]);
                 self.line(
                     depth + 1,

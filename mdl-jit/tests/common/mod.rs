@@ -5,11 +5,11 @@
 pub mod generate;
 pub mod generate_flow;
 
+use mdl_jit::types::{Kind, Shape, Types};
 use mdl_jit::{
     ArgMode, Argument, Batch, Buffer, Error, Executor, Externs, Input, Lanes, Mode, Options, Output, Program,
     Signature, Target, Tier,
 };
-use mdl_jit::types::{Kind, Shape, Types};
 use naga::Handle;
 
 /// A column of some kind.
@@ -330,19 +330,5 @@ pub const FLOAT_EDGES: [f32; 28] = [
 ];
 
 /// Edges of the integer operations, as bits.
-pub const INT_EDGES: [u32; 14] = [
-    0,
-    1,
-    2,
-    3,
-    31,
-    32,
-    33,
-    63,
-    0x7fff_ffff,
-    0x8000_0000,
-    0x8000_0001,
-    0xffff_ffff,
-    0xffff_fffe,
-    0xffff,
-];
+pub const INT_EDGES: [u32; 14] =
+    [0, 1, 2, 3, 31, 32, 33, 63, 0x7fff_ffff, 0x8000_0000, 0x8000_0001, 0xffff_ffff, 0xffff_fffe, 0xffff];

@@ -656,7 +656,8 @@ impl<'a> Lower<'a, '_> {
             cost = cost.saturating_add(match statement {
                 Statement::Emit(range) => {
                     let nodes = &self.frame().function.nodes;
-                    let counts = |i: u32| !matches!(nodes[i as usize], Node::Member { .. } | Node::Compose(_));
+                    let counts =
+                        |i: u32| !matches!(nodes[i as usize], Node::Member { .. } | Node::Compose(_));
                     range.index_range().filter(|&i| counts(i)).count() as u32
                 }
                 Statement::Block(b) => self.cost(b),
@@ -691,4 +692,3 @@ impl<'a> Lower<'a, '_> {
         cost
     }
 }
-

@@ -301,7 +301,12 @@ impl<'a> Lower<'a, '_> {
         Ok(Some(self.keep(&leaves)))
     }
 
-    fn enter(&mut self, callee: Handle<naga::Function>, function: &'a Function, args: Vec<Val>) -> Lowered<()> {
+    fn enter(
+        &mut self,
+        callee: Handle<naga::Function>,
+        function: &'a Function,
+        args: Vec<Val>,
+    ) -> Lowered<()> {
         let depth = self.frames.len();
         let mut result = Vec::new();
         for kind in function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))? {

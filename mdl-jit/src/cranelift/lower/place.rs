@@ -359,9 +359,8 @@ impl Lower<'_, '_> {
                 }
                 let base = self.e.b.ins().stack_addr(types::I64, slot, 16 * leaf as i32);
                 let own = if varying { 4 } else { 0 };
-                let words = self.gather(step.value, |l, lane, step| {
-                    (l.row_address(base, step), own * i32::from(lane))
-                });
+                let words = self
+                    .gather(step.value, |l, lane, step| (l.row_address(base, step), own * i32::from(lane)));
                 let value = self.e.lanes(words);
                 Emit::varying_leaf(kind, self.e.cast(lanes_type(kind), value))
             }
@@ -378,11 +377,7 @@ impl Lower<'_, '_> {
     }
 
     /// Reads a 32-bit word for each lane at an address of its own.
-    fn gather(
-        &mut self,
-        index: V,
-        mut address: impl FnMut(&mut Self, u8, Value) -> (Value, i32),
-    ) -> V {
+    fn gather(&mut self, index: V, mut address: impl FnMut(&mut Self, u8, Value) -> (Value, i32)) -> V {
         let index = self.e.lanes(index);
         let mut out = None;
         for lane in 0..4u8 {
