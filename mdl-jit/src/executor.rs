@@ -72,7 +72,8 @@ impl Program {
     /// Validates a module, allowing what the executors can run.
     pub fn new(module: naga::Module) -> Result<Self, crate::CompileError> {
         use naga::valid::{Capabilities, ValidationFlags, Validator};
-        let capabilities = Capabilities::FLOAT64 | Capabilities::SHADER_INT64;
+        let capabilities =
+            Capabilities::FLOAT64 | Capabilities::SHADER_INT64 | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|e| {
             let mut text = e.as_inner().to_string();
             let mut cause = std::error::Error::source(e.as_inner());

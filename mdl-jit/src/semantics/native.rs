@@ -62,9 +62,10 @@ fn ldexp(x: f64, n: i32) -> f64 {
 fn to_half(x: f32) -> u32 {
     let sign = (x.to_bits() >> 16) & 0x8000;
     let a = x.abs();
-    let bits = if a.is_nan() {
-        0x7e00
-    } else if a >= 65520.0 {
+    if a.is_nan() {
+        return 0x7e00;
+    }
+    let bits = if a >= 65520.0 {
         0x7c00
     } else if a < 2f32.powi(-14) {
         // Subnormal: an integer number of 2⁻²⁴, rounded by the addition.

@@ -44,16 +44,20 @@ use crate::types::{Kind, TyId};
 /// Facts that rounds of lowering find out; all start as false and only ever become true.
 #[derive(Debug, Default)]
 pub struct Flags {
+    /// As known at the beginning of the round: what the round's code relies on.
+    known: Vec<bool>,
     raised: Vec<bool>,
     next: usize,
-    changed: bool,
+    begun: bool,
 }
 
 impl Flags {
     /// Begins a round. False if the last round raised nothing new.
     pub fn begin(&mut self) -> bool {
-        let again = self.changed || self.next == 0;
-        (self.next, self.changed) = (0, false);
+        let again = !self.begun || self.known != self.raised;
+        self.begun = true;
+        self.known.clone_from(&self.raised);
+        self.next = 0;
         again
     }
 
@@ -62,17 +66,17 @@ impl Flags {
         let first = self.next;
         self.next += n;
         if self.raised.len() < self.next {
+            self.known.resize(self.next, false);
             self.raised.resize(self.next, false);
         }
         first
     }
 
     fn get(&self, i: usize) -> bool {
-        self.raised[i]
+        self.known[i]
     }
 
     fn raise(&mut self, i: usize) {
-        self.changed |= !self.raised[i];
         self.raised[i] = true;
     }
 }

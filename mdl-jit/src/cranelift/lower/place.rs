@@ -236,6 +236,28 @@ impl Lower<'_, '_> {
         known || !varies
     }
 
+    /// The same for all classes that a computed step reaches: a row must have one format whichever class
+    /// it belongs to, so they vary together.
+    fn vary_together(&mut self, var: usize, leaf: u32, step: Step, varies: bool) -> bool {
+        let info = &self.vars[var];
+        let reach = (step.max as usize).min(info.kinds.len() - 1 - leaf as usize);
+        let mut classes: Vec<u32> = Vec::new();
+        for offset in (0..=reach).step_by(step.unit as usize) {
+            let class = info.classes[leaf as usize + offset];
+            // Elements of an array repeat the classes of the first.
+            if classes.first() == Some(&class) {
+                break;
+            }
+            classes.push(class);
+        }
+        let flags: Vec<usize> = classes.into_iter().map(|c| info.flags + c as usize).collect();
+        let known = flags.iter().filter(|&&f| self.flags.get(f)).count();
+        if varies || known > 0 {
+            flags.iter().for_each(|&f| self.flags.raise(f));
+        }
+        known == flags.len() || (known == 0 && !varies)
+    }
+
     fn store_leaf(&mut self, var: usize, leaf: u32, v: V, masked: bool) {
         if !self.vary(var, leaf, v.is_varying() || masked) {
             return;
@@ -263,7 +285,7 @@ impl Lower<'_, '_> {
 
     fn store_step(&mut self, var: usize, leaf: u32, step: Step, v: V, masked: bool) {
         let varies = v.is_varying() || masked || step.value.is_varying();
-        if !self.vary(var, leaf, varies) {
+        if !self.vary_together(var, leaf, step, varies) {
             return;
         }
         match self.vars[var].store {
@@ -325,6 +347,7 @@ impl Lower<'_, '_> {
 
     fn load_var(&mut self, var: usize, leaf: u32, step: Option<Step>) -> V {
         let Some(step) = step else { return self.get(var, leaf) };
+        self.vary_together(var, leaf, step, false);
         let few = step.max / step.unit < FEW;
         match self.vars[var].store {
             Store::Slot(slot) if !step.value.is_varying() || !few => {
