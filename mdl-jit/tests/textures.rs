@@ -39,7 +39,8 @@ fn argument(r: &mut Random, arg: usize, leaf: usize) -> u32 {
     match arg {
         0 => r.below(5),
         1 if r.chance(40) => {
-            let edges = [0.0, 1.0, -1.0, 0.5, 1.5, -1e-9, 1e9, -1e9, f32::NAN, f32::INFINITY, f32::MIN, 0.999_999_94];
+            let edges =
+                [0.0, 1.0, -1.0, 0.5, 1.5, -1e-9, 1e9, -1e9, f32::NAN, f32::INFINITY, f32::MIN, 0.999_999_94];
             r.pick(&edges).to_bits()
         }
         1 if r.chance(50) => ((r.below(64) as f32 - 16.0) / 32.0).to_bits(),

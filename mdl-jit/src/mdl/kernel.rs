@@ -5,16 +5,16 @@ use super::distribution::Param;
 use super::error::LowerError;
 use super::extend::GrowingGraph;
 use super::functions::lower_functions;
-use super::library::{self, HOST_FUNCTIONS, TRANSFORMS};
+use super::library::{self, TRANSFORMS};
 use super::needs::Needs;
 use super::stage::{Leaves, called_by};
 use super::types::{TypeMap, intern, struct_inner};
 use super::values::{Lowering, Strings, reachable};
+use crate::externs::TEXTURE_FUNCTIONS;
 use crate::material::{InputFault, InputKernel, Runtime};
 use crate::state::{StateBatch, StateField};
-use crate::{
-    ArgMode, Argument, Batch, Buffer, Externs, Input, Kernel, Mode, Options, Output, Program, Signature,
-};
+use crate::texture::{Renumbered, TextureFunctions};
+use crate::{ArgMode, Argument, Batch, Buffer, Input, Kernel, Mode, Options, Output, Program, Signature};
 use mdl_frontend::graph::{NodeId, NodeKind, Stage};
 use naga::Handle;
 use std::collections::HashMap;
@@ -122,7 +122,7 @@ impl PartCode {
             args.push(ArgMode::Leaves(modes));
         }
         args.extend(uniforms.iter().map(|_| ArgMode::Value(Mode::Uniform)));
-        let options = Options { externs: HOST_FUNCTIONS.map(String::from).to_vec(), ..Options::default() };
+        let options = Options { externs: TEXTURE_FUNCTIONS.map(String::from).to_vec(), ..Options::default() };
         let kernel = Kernel::compile(&program.module, &program.info, function, &Signature { args }, &options)
             .map_err(|e| LowerError::Invalid(e.to_string()))?;
         let transforms = program.global(TRANSFORMS);
@@ -186,12 +186,9 @@ impl InputKernel for BoundKernel {
         let outputs = columns.iter_mut().map(|column| Output::F32(column)).collect();
         let words = bytemuck::cast_slice(runtime.transforms);
         let buffers = self.transforms.map(|global| Buffer { global, words }).into_iter().collect();
-        let textures = crate::texture::HostTextures::new(runtime.textures, &self.textures);
-        let [lookup, texel, size] = textures.functions();
-        let externs = Externs::new()
-            .with(HOST_FUNCTIONS[0], &lookup)
-            .with(HOST_FUNCTIONS[1], &texel)
-            .with(HOST_FUNCTIONS[2], &size);
+        let textures = Renumbered { textures: runtime.textures, numbers: &self.textures };
+        let functions = TextureFunctions::new(&textures);
+        let externs = functions.externs();
         let mut batch = Batch { len: state.len(), args, outputs, buffers, externs };
         self.kernel
             .run(&mut batch)

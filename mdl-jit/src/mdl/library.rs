@@ -1,13 +1,12 @@
-//! The module that all generated code starts from: the math library and the runtime.
+//! The module that all generated code starts from: the math library, the runtime, and the stubs of texture
+//! access.
 
 use super::error::LowerError;
+use crate::externs::STUBS;
 use std::sync::OnceLock;
 
 /// What generated code calls besides the math library.
 const RUNTIME: &str = include_str!("runtime.wgsl");
-
-/// The functions of the runtime that the host supplies, by name.
-pub const HOST_FUNCTIONS: [&str; 3] = ["tex_lookup_2d", "tex_texel_2d", "tex_size_2d"];
 
 /// The buffer of instance transforms.
 pub const TRANSFORMS: &str = "transforms";
@@ -18,7 +17,7 @@ pub fn module() -> Result<naga::Module, LowerError> {
     let parse = || {
         let math = layered_bsdf::math::code::WGSL_SOURCE.wgsl_source();
         let math = math.map_err(|e| LowerError::Invalid(e.to_string()))?;
-        let text = format!("{math}\n{RUNTIME}");
+        let text = format!("{math}\n{RUNTIME}\n{STUBS}");
         naga::front::wgsl::parse_str(&text).map_err(|e| LowerError::Invalid(e.emit_to_string(&text)))
     };
     LIBRARY.get_or_init(parse).clone()
@@ -35,7 +34,7 @@ mod tests {
         for name in ["math_sin", "math_pow", "mdl_pow_int", "mdl_transform_point", "mdl_blackbody"] {
             assert!(program.function(name).is_some(), "{name}");
         }
-        assert!(HOST_FUNCTIONS.iter().all(|name| program.function(name).is_some()));
+        assert!(crate::externs::TEXTURE_FUNCTIONS.iter().all(|name| program.function(name).is_some()));
         assert!(program.global(TRANSFORMS).is_some());
     }
 }

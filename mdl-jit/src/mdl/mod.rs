@@ -23,6 +23,7 @@ pub mod builtins;
 pub mod distribution;
 pub mod error;
 pub mod extend;
+pub mod fold;
 pub mod function;
 pub mod functions;
 pub mod kernel;
@@ -35,5 +36,6 @@ pub mod types;
 pub mod values;
 
 pub use error::LowerError;
+pub use fold::InterpreterFolder;
 pub use function::CompiledFunction;
 pub use material::CompiledMaterial;

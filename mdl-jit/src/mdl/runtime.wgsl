@@ -1,6 +1,4 @@
-// What generated code calls besides the math library.
-//
-// The functions `tex_…` are stubs: every executor puts its own texture access in their place.
+// What generated code calls besides the math library and texture access.
 
 /// Rows of transforms, six per instance: three of object to world, then three of world to object.
 @group(0) @binding(0) var<storage, read> transforms: array<vec4<f32>>;
@@ -101,17 +99,4 @@ fn mdl_blackbody(temperature: f32) -> vec3<f32> {
         ),
         vec3<f32>(0.0),
     );
-}
-
-/// Texture, coordinate, wrap modes, crop in u and v.
-fn tex_lookup_2d(texture: i32, coord: vec2<f32>, wrap_u: i32, wrap_v: i32, crop_u: vec2<f32>, crop_v: vec2<f32>) -> vec4<f32> {
-    return vec4<f32>(0.0);
-}
-
-fn tex_texel_2d(texture: i32, coord: vec2<i32>) -> vec4<f32> {
-    return vec4<f32>(0.0);
-}
-
-fn tex_size_2d(texture: i32) -> vec2<i32> {
-    return vec2<i32>(0);
 }

@@ -41,15 +41,23 @@ fn check_2d(l: &Lowering<'_, '_>, args: &[Arg]) -> Result<()> {
 
 fn lookup(l: &mut Lowering<'_, '_>, args: &[Arg], components: u8) -> Result<Value> {
     check_2d(l, args)?;
-    // texture, coordinate, wrap u, wrap v, crop u, crop v, frame
-    let values = args[..6].iter().map(|(value, _)| *value).collect();
-    let value = l.b.library("tex_lookup_2d", values);
+    let &[texture, coordinate, wrap_u, wrap_v, crop_u, crop_v, ..] = args else {
+        unreachable!("the declaration has more parameters")
+    };
+    let texture = l.b.bitcast(texture.0, ScalarKind::Uint);
+    let wrap = [wrap_u, wrap_v].map(|(mode, _)| l.b.bitcast(mode, ScalarKind::Uint)).to_vec();
+    let wrap_ty = l.b.number_type(ScalarKind::Uint, 2);
+    let wrap = l.b.compose(wrap_ty, wrap);
+    let crop_ty = l.b.float_type(4);
+    let crop = l.b.compose(crop_ty, vec![crop_u.0, crop_v.0]);
+    let value = l.b.library("tex_lookup_2d", vec![texture, coordinate.0, wrap, crop]);
     Ok(head(l, value, components))
 }
 
 fn texel(l: &mut Lowering<'_, '_>, args: &[Arg], components: u8) -> Result<Value> {
     check_2d(l, args)?;
-    let value = l.b.library("tex_texel_2d", vec![args[0].0, args[1].0]);
+    let texture = l.b.bitcast(args[0].0, ScalarKind::Uint);
+    let value = l.b.library("tex_texel_2d", vec![texture, args[1].0]);
     Ok(head(l, value, components))
 }
 
@@ -63,7 +71,8 @@ fn head(l: &mut Lowering<'_, '_>, value: Value, components: u8) -> Value {
 
 fn size(l: &mut Lowering<'_, '_>, args: &[Arg], axis: u32) -> Result<Value> {
     check_2d(l, args)?;
-    let size = l.b.library("tex_size_2d", vec![args[0].0]);
+    let texture = l.b.bitcast(args[0].0, ScalarKind::Uint);
+    let size = l.b.library("tex_size_2d", vec![texture]);
     let size = l.b.part(size, axis);
     Ok(l.b.bitcast(size, ScalarKind::Sint))
 }
