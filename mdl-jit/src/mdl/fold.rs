@@ -4,10 +4,11 @@
 //! that compiled code would have computed. What reads the state is not folded.
 
 use super::builtins::{self, Row};
-use super::function::CompiledFunction;
 use super::needs::Needs;
+use super::stage::{UniformStage, value_of};
+use super::values::Strings;
 use mdl_frontend::fold::Folder;
-use mdl_frontend::graph::{FunctionGraph, Graph, Node, NodeId, NodeKind, Op, Stage};
+use mdl_frontend::graph::{Graph, Node, NodeId, NodeKind, Op, Stage};
 use mdl_frontend::types::{TypeId, TypeTable};
 use mdl_frontend::value::Value;
 
@@ -46,8 +47,10 @@ impl Folder for InterpreterFolder {
         if !Needs::of_nodes(&graph, &[call], &[]).is_empty() {
             return None;
         }
-        let function = FunctionGraph { name: builtin.into(), graph, result: call };
-        CompiledFunction::new(&function).ok()?.run(&[]).ok()
+        let mut strings = Strings::default();
+        let stage = UniformStage::new(&graph, vec![call], &mut strings).ok()??;
+        let mut values = stage.run(&graph, &[], &mut strings).ok()?;
+        Some(value_of(types, result, &mut values.remove(&call)?.into_iter()))
     }
 }
 

@@ -4,6 +4,7 @@ use super::builder::FunctionBuilder;
 use super::distribution::Param;
 use super::error::LowerError;
 use super::extend::GrowingGraph;
+use super::function::state_leaves;
 use super::functions::lower_functions;
 use super::library::{self, TRANSFORMS};
 use super::needs::Needs;
@@ -14,7 +15,7 @@ use crate::externs::TEXTURE_FUNCTIONS;
 use crate::material::{InputFault, InputKernel, Runtime};
 use crate::state::{StateBatch, StateField};
 use crate::texture::{Renumbered, TextureFunctions};
-use crate::{ArgMode, Argument, Batch, Buffer, Input, Kernel, Mode, Options, Output, Program, Signature};
+use crate::{ArgMode, Argument, Batch, Buffer, Kernel, Mode, Options, Output, Program, Signature};
 use mdl_frontend::graph::{NodeId, NodeKind, Stage};
 use naga::Handle;
 use std::collections::HashMap;
@@ -169,17 +170,7 @@ impl InputKernel for BoundKernel {
     ) -> Result<(), InputFault> {
         let mut args = Vec::with_capacity(1 + self.uniforms.len());
         if !self.needs.is_empty() {
-            let mut leaves = Vec::new();
-            for field in self.needs.fields.iter() {
-                for column in state.columns(field) {
-                    leaves.push(match field {
-                        StateField::ObjectId => Input::I32s(bytemuck::cast_slice(column)),
-                        StateField::Instance => Input::U32s(bytemuck::cast_slice(column)),
-                        _ => Input::F32s(column),
-                    });
-                }
-            }
-            leaves.extend(self.needs.time.then_some(Input::F32(runtime.animation_time)));
+            let (leaves, _) = state_leaves(&self.needs, state, runtime.animation_time);
             args.push(Argument::Leaves(leaves));
         }
         args.extend(self.uniforms.iter().map(|leaves| Argument::Leaves(leaves.clone())));

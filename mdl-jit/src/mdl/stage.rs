@@ -141,14 +141,19 @@ impl UniformStage {
 
 /// Kind of a leaf of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LeafKind {
+pub enum LeafKind {
+    /// A float.
     Float,
+    /// An integer, enumeration or resource.
     Int,
+    /// The number of a string.
     Unsigned,
+    /// A truth value.
     Bool,
 }
 
-fn leaf_kinds(types: &TypeTable, ty: TypeId, kinds: &mut Vec<LeafKind>) {
+/// Appends the kinds of the leaves of a type.
+pub fn leaf_kinds(types: &TypeTable, ty: TypeId, kinds: &mut Vec<LeafKind>) {
     let of_scalar = |scalar: &Scalar| match scalar {
         Scalar::Bool => LeafKind::Bool,
         Scalar::Int => LeafKind::Int,
@@ -165,6 +170,27 @@ fn leaf_kinds(types: &TypeTable, ty: TypeId, kinds: &mut Vec<LeafKind>) {
         Type::Struct(ty) => ty.fields.iter().for_each(|(_, field)| leaf_kinds(types, *field, kinds)),
         Type::Array { element, size } => (0..(*size).max(1)).for_each(|_| leaf_kinds(types, *element, kinds)),
         _ => kinds.push(LeafKind::Int),
+    }
+}
+
+/// The value of a type from its leaves.
+pub fn value_of(types: &TypeTable, ty: TypeId, leaves: &mut dyn Iterator<Item = Input<'static>>) -> Value {
+    let mut scalar = || match leaves.next() {
+        Some(Input::F32(x)) => Value::Float(x),
+        Some(Input::I32(x)) => Value::Int(x),
+        Some(Input::U32(x)) => Value::Int(x as i32),
+        Some(Input::Bool(x)) => Value::Bool(x),
+        _ => Value::Int(0),
+    };
+    match types.get(ty) {
+        Type::Vector { size, .. } => (0..*size).map(|_| scalar()).collect(),
+        Type::Color => (0..3).map(|_| scalar()).collect(),
+        Type::Matrix { columns, rows, .. } => {
+            (0..*columns).map(|_| (0..*rows).map(|_| scalar()).collect()).collect()
+        }
+        Type::Struct(ty) => ty.fields.iter().map(|(_, field)| value_of(types, *field, leaves)).collect(),
+        Type::Array { element, size } => (0..*size).map(|_| value_of(types, *element, leaves)).collect(),
+        _ => scalar(),
     }
 }
 
