@@ -126,7 +126,16 @@ fn main() {
     let parse = |source: Result<String, wgsl_rs::SourceError>| {
         Program::from_wgsl(&source.expect("the kernels render")).expect("the kernels validate")
     };
-    if std::env::args().any(|a| a == "--dump") { for (n, m) in [("ggx", ggx::code::WGSL_SOURCE.wgsl_source()), ("layered", layered::code::WGSL_SOURCE.wgsl_source()), ("noise", noise::code::WGSL_SOURCE.wgsl_source())] { std::fs::write(format!("/tmp/{n}.wgsl"), m.unwrap()).unwrap(); } return; }
+    if std::env::args().any(|a| a == "--dump") {
+        for (n, m) in [
+            ("ggx", ggx::code::WGSL_SOURCE.wgsl_source()),
+            ("layered", layered::code::WGSL_SOURCE.wgsl_source()),
+            ("noise", noise::code::WGSL_SOURCE.wgsl_source()),
+        ] {
+            std::fs::write(format!("/tmp/{n}.wgsl"), m.unwrap()).unwrap();
+        }
+        return;
+    }
     let (wo, wi, alpha) = (0..3, 3..6, 8..10);
 
     let program = parse(ggx::code::WGSL_SOURCE.wgsl_source());

@@ -206,6 +206,11 @@ pub trait Textures: Sync {
     /// A bilinear lookup.
     fn lookup_2d(&self, lookup: &Lookup) -> [f32; 4];
 
+    /// The words that shader code reads them from; `None` if they are nowhere in that form.
+    fn words(&self) -> Option<&[u32]> {
+        None
+    }
+
     /// Four lookups; only those of `mask` count.
     fn lookup_2d_lanes(&self, lookups: &[Lookup; 4], mask: [bool; 4]) -> [[f32; 4]; 4] {
         std::array::from_fn(|lane| if mask[lane] { self.lookup_2d(&lookups[lane]) } else { [0.0; 4] })
@@ -213,6 +218,10 @@ pub trait Textures: Sync {
 }
 
 impl Textures for TextureTable {
+    fn words(&self) -> Option<&[u32]> {
+        Some(&self.words)
+    }
+
     fn size_2d(&self, texture: u32) -> [u32; 2] {
         if texture >= self.words[COUNT] {
             return [0, 0];
@@ -236,8 +245,7 @@ impl Textures for TextureTable {
         }
         let (x, fx) = axis(l.coord[0], l.wrap[0], [l.crop[0], l.crop[1]], width);
         let (y, fy) = axis(l.coord[1], l.wrap[1], [l.crop[2], l.crop[3]], height);
-        let [a, b, c, d] =
-            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.fetch(l.texture, x[i], y[j]));
+        let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.fetch(l.texture, x[i], y[j]));
         std::array::from_fn(|k| {
             let low = a[k] + (b[k] - a[k]) * fx;
             let high = c[k] + (d[k] - c[k]) * fx;
