@@ -15,6 +15,7 @@ use naga::{AddressSpace, Handle, TypeInner};
 use crate::error::{CompileError, Fault};
 use crate::externs::Externs;
 use crate::plan::Plan;
+use crate::texture::Textures;
 use crate::types::{Kind, Shape};
 
 /// Whether a leaf is one value for the batch or one per point.
@@ -137,7 +138,7 @@ pub struct Buffer<'a> {
 }
 
 /// One run of a function over `len` points.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Batch<'a> {
     /// Number of points.
     pub len: usize,
@@ -149,6 +150,14 @@ pub struct Batch<'a> {
     pub buffers: Vec<Buffer<'a>>,
     /// The host functions that the kernel was compiled with.
     pub externs: Externs<'a>,
+    /// What answers texture lookups.
+    pub textures: Option<&'a dyn Textures>,
+}
+
+impl std::fmt::Debug for Batch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Batch").field("len", &self.len).field("args", &self.args).finish_non_exhaustive()
+    }
 }
 
 /// An argument as executors see it.

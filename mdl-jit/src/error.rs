@@ -29,6 +29,9 @@ pub enum Unsupported {
     /// A store to memory that this executor only reads.
     #[error("a store to {0} is not supported by this executor")]
     Store(&'static str),
+    /// A function of the host on a device that cannot call it.
+    #[error("host function `{0}` cannot be called by this executor")]
+    Host(String),
     /// Blocks or calls are nested too deeply.
     #[error("blocks or calls are nested too deeply")]
     Depth,

@@ -19,10 +19,10 @@ pub enum Executor<'g> {
     /// Compiled code on the CPU.
     Cpu,
     /// A compute kernel.
-    #[cfg(feature = "gpu_later")]
+    #[cfg(feature = "gpu")]
     Gpu(&'g crate::gpu::Context),
     /// Never made; keeps the lifetime without the GPU.
-    #[cfg(not(feature = "gpu_later"))]
+    #[cfg(not(feature = "gpu"))]
     #[doc(hidden)]
     None(std::convert::Infallible, std::marker::PhantomData<&'g ()>),
 }
@@ -47,12 +47,12 @@ impl Executor<'_> {
                 Interpreter::<f64>::new(module, info, function, signature, options)?.run(batch)?;
             }
             Self::Cpu => Kernel::compile(module, info, function, signature, options)?.run(batch)?,
-            #[cfg(feature = "gpu_later")]
+            #[cfg(feature = "gpu")]
             Self::Gpu(context) => {
                 crate::gpu::Kernel::compile(context, module, info, function, signature, options)?
                     .run(batch)?;
             }
-            #[cfg(not(feature = "gpu_later"))]
+            #[cfg(not(feature = "gpu"))]
             Self::None(never, _) => match *never {},
         }
         Ok(())

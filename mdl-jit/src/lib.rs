@@ -10,10 +10,13 @@
 
 pub mod batch;
 pub mod cranelift;
+pub mod emit;
 pub mod error;
 pub mod executor;
 pub mod externs;
+pub mod gpu;
 pub mod interp;
+pub mod link;
 pub mod material;
 pub mod mdl;
 pub mod options;
@@ -25,8 +28,10 @@ pub mod types;
 
 pub use batch::{ArgMode, Argument, Batch, Buffer, Input, Mode, Output, Signature};
 pub use cranelift::Kernel;
+pub use emit::{EmitTarget, emit};
 pub use error::{CompileError, Error, Fault, Unsupported};
 pub use executor::{Executor, Program};
 pub use externs::{Call, Externs, HostFunction};
 pub use interp::Interpreter;
+pub use link::Linker;
 pub use options::{Lanes, Options, Target, Tier};

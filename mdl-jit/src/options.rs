@@ -37,6 +37,8 @@ pub enum Target {
 pub struct Options {
     /// Names of functions that the host supplies at each run, instead of their bodies.
     pub externs: Vec<String>,
+    /// Whether calls to the texture functions are answered by the textures of each batch.
+    pub textures: bool,
     /// Loop iterations and calls per point after which a run ends with a fault. Compiled code counts
     /// the iterations of a group of lanes together and does not count calls.
     pub steps: u32,
@@ -56,6 +58,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             externs: Vec::new(),
+            textures: true,
             steps: 1 << 20,
             lanes: Lanes::default(),
             tier: Tier::default(),
@@ -63,5 +66,13 @@ impl Default for Options {
             verify: cfg!(debug_assertions),
             max_expressions: 200_000,
         }
+    }
+}
+
+impl Options {
+    /// Whether calls to `name` go to the host.
+    pub(crate) fn replaces(&self, name: &str) -> bool {
+        let texture = self.textures && crate::externs::TEXTURE_FUNCTIONS.contains(&name);
+        texture || self.externs.iter().any(|e| e == name)
     }
 }

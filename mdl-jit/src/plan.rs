@@ -410,7 +410,13 @@ impl Resolver<'_, '_> {
             Expression::Access { base, index } => self.part(base, Index::Computed(index.index()))?,
             Expression::AccessIndex { base, index } => self.access_index(base, index)?,
             Expression::FunctionArgument(i) => Node::Argument(i),
-            Expression::GlobalVariable(g) => Node::Global(g.index() as u32),
+            Expression::GlobalVariable(g) => {
+                use naga::AddressSpace as S;
+                match module.global_variables[g].space {
+                    S::Private | S::Uniform | S::Storage { .. } => Node::Global(g.index() as u32),
+                    other => return Err(Unsupported::Expression(format!("a variable in {other:?} space"))),
+                }
+            }
             Expression::LocalVariable(v) => Node::Local(v.index() as u32),
             Expression::Load { pointer } => {
                 // A whole value is made of its leaves: check now that it can be.

@@ -206,6 +206,11 @@ pub trait Textures: Sync {
     /// A bilinear lookup.
     fn lookup_2d(&self, lookup: &Lookup) -> [f32; 4];
 
+    /// The words that shader code reads them from; `None` if they are nowhere in that form.
+    fn words(&self) -> Option<&[u32]> {
+        None
+    }
+
     /// Four lookups; only those of `mask` count.
     fn lookup_2d_lanes(&self, lookups: &[Lookup; 4], mask: [bool; 4]) -> [[f32; 4]; 4] {
         std::array::from_fn(|lane| if mask[lane] { self.lookup_2d(&lookups[lane]) } else { [0.0; 4] })
@@ -213,6 +218,10 @@ pub trait Textures: Sync {
 }
 
 impl Textures for TextureTable {
+    fn words(&self) -> Option<&[u32]> {
+        Some(&self.words)
+    }
+
     fn size_2d(&self, texture: u32) -> [u32; 2] {
         if texture >= self.words[COUNT] {
             return [0, 0];

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Case, Column, Random};
-use mdl_jit::externs::{STUBS, TEXTURE_FUNCTIONS, TEXTURES};
-use mdl_jit::texture::{Format, Image, Lookup, TextureFunctions, TextureTable, Textures};
+use mdl_jit::externs::{STUBS, TEXTURES};
+use mdl_jit::texture::{Format, Image, Lookup, TextureTable, Textures};
 use mdl_jit::types::Kind;
 use mdl_jit::{Executor, Program};
 
@@ -60,11 +60,9 @@ fn case<'p>(program: &'p Program, points: usize) -> Case<'p> {
 #[test]
 fn host_functions_and_shader_text_agree_bit_for_bit() {
     let table = table();
-    let functions = TextureFunctions::new(&table);
     let stubs = Program::from_wgsl(&format!("{STUBS}{CALLER}")).expect("the stubs validate");
     let mut by_host = case(&stubs, 5003);
-    by_host.options.externs = TEXTURE_FUNCTIONS.map(String::from).to_vec();
-    by_host.externs = functions.externs();
+    by_host.textures = Some(&table);
     by_host.check().expect("all executors call the host alike");
     let want = by_host.run(Executor::Interp32).expect("the stubs run");
 
@@ -78,10 +76,27 @@ fn host_functions_and_shader_text_agree_bit_for_bit() {
 }
 
 #[test]
+fn lookups_on_the_gpu_equal_those_of_the_host() {
+    let Some(gpu) = common::gpu("lookups_on_the_gpu_equal_those_of_the_host") else { return };
+    let table = table();
+    let stubs = Program::from_wgsl(&format!("{STUBS}{CALLER}")).expect("the stubs validate");
+    let mut case = case(&stubs, 20_003);
+    case.textures = Some(&table);
+    let want = case.run(Executor::Interp32).expect("the stubs run");
+    let got = case.run(Executor::Gpu(gpu)).expect("the kernel runs");
+    for (w, g) in want.iter().zip(&got) {
+        let (Column::F32(w), Column::F32(g)) = (w, g) else { panic!("lookups give floats") };
+        for (p, (w, g)) in w.iter().zip(g).enumerate() {
+            // The division by 255 and the blend may round differently; the texels are the same.
+            assert!((w - g).abs() <= 4e-6 * w.abs().max(1.0), "point {p}: {g} instead of {w}");
+        }
+    }
+}
+
+#[test]
 fn an_unbound_host_function_is_a_fault() {
     let stubs = Program::from_wgsl(&format!("{STUBS}{CALLER}")).expect("the stubs validate");
-    let mut case = case(&stubs, 5);
-    case.options.externs = TEXTURE_FUNCTIONS.map(String::from).to_vec();
+    let case = case(&stubs, 5);
     for executor in [Executor::Interp32, Executor::Cpu] {
         let error = case.run(executor).expect_err("nothing is bound").to_string();
         assert!(error.contains("is not bound"), "{error}");
@@ -93,6 +108,7 @@ fn a_panicking_host_function_is_a_fault() {
     let stubs = Program::from_wgsl(&format!("{STUBS}{CALLER}")).expect("the stubs validate");
     let mut case = case(&stubs, 5);
     case.options.externs = vec!["tex_size_2d".into()];
+    case.options.textures = false;
     let bad = |_: &mut mdl_jit::Call<'_>| panic!("on purpose");
     case.externs = mdl_jit::Externs::new().with("tex_size_2d", &bad);
     for executor in [Executor::Interp32, Executor::Cpu] {

@@ -8,7 +8,8 @@ use super::Inner;
 use super::abi::{ArgWords, CONSTANTS, FAULT, HOST};
 use crate::batch::{Argument, Batch, Input, Mode, Output};
 use crate::error::Fault;
-use crate::externs::HostFunction;
+use crate::externs::{Externs, HostFunction};
+use crate::texture::TextureFunctions;
 
 /// What compiled code reads and writes, as addresses, and the storage that is not the batch's.
 pub struct Columns<'b> {
@@ -69,20 +70,29 @@ impl Input<'_> {
 
 /// Runs a kernel on a batch that fits it.
 pub fn run(k: &Inner, batch: &mut Batch<'_>) -> Result<(), Fault> {
+    let textures = batch.textures.map(TextureFunctions::new);
+    let textures = textures.as_ref().map_or_else(Externs::new, TextureFunctions::externs);
     let group = if k.single { 1 } else { 4 };
     let whole = batch.len / group * group;
     if whole > 0 {
-        compute(k, batch, Points { first: 0, count: whole, copied: false })?;
+        compute(k, batch, &textures, Points { first: 0, count: whole, copied: false })?;
     }
     if whole < batch.len {
-        compute(k, batch, Points { first: whole, count: batch.len - whole, copied: true })?;
+        compute(k, batch, &textures, Points { first: whole, count: batch.len - whole, copied: true })?;
     }
     Ok(())
 }
 
-fn compute(k: &Inner, batch: &mut Batch<'_>, points: Points) -> Result<(), Fault> {
+fn compute(k: &Inner, batch: &mut Batch<'_>, textures: &Externs<'_>, points: Points) -> Result<(), Fault> {
     let mut outputs = std::mem::take(&mut batch.outputs);
-    let mut columns = bind(k, batch, points, &mut outputs)?;
+    let bound = bind(k, batch, textures, points, &mut outputs);
+    let mut columns = match bound {
+        Ok(columns) => columns,
+        Err(e) => {
+            batch.outputs = outputs;
+            return Err(e);
+        }
+    };
     let end = if points.copied { 16 } else { 4 * points.count };
     let fault = k.code.call(&mut columns, 0, end);
     if points.copied {
@@ -110,6 +120,7 @@ fn compute(k: &Inner, batch: &mut Batch<'_>, points: Points) -> Result<(), Fault
 fn bind<'b>(
     k: &Inner,
     batch: &Batch<'b>,
+    textures: &Externs<'b>,
     points: Points,
     outputs: &mut [Output<'_>],
 ) -> Result<Columns<'b>, Fault> {
@@ -127,7 +138,7 @@ fn bind<'b>(
     for &index in &k.found.host {
         let name = &k.names[index];
         let unbound = || Fault::Binding(format!("the host function `{name}` is not bound"));
-        c.host.push(batch.externs.get(name).ok_or_else(unbound)?);
+        c.host.push(batch.externs.get(name).or_else(|| textures.get(name)).ok_or_else(unbound)?);
     }
     c.words[HOST] = c.host.as_ptr() as u64;
     c.words[CONSTANTS] = k.found.constants.as_ptr() as u64;

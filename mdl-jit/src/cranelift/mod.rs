@@ -49,12 +49,12 @@ struct Inner {
 }
 
 /// What a buffer must hold.
-#[derive(Clone, Copy, Debug)]
-struct BufferSize {
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BufferSize {
     /// The least number of bytes, without elements of a runtime-sized array.
-    least: u32,
+    pub least: u32,
     /// Bytes up to and with the first element of such an array.
-    padded: u32,
+    pub padded: u32,
 }
 
 /// Code in forms to be read.
@@ -158,8 +158,7 @@ fn lower(
     isa: &OwnedTargetIsa,
     mut imports: impl FnMut(&mut ir::Function) -> [FuncRef; 2],
 ) -> Result<Lowered, CompileError> {
-    let host = |name: &str| options.externs.iter().any(|e| e == name);
-    let plan = Plan::new(module, info, function, &host)?;
+    let plan = Plan::new(module, info, function, &|name| options.replaces(name))?;
     refuse_wide(&plan)?;
     let interface = Interface::new(&plan, function, signature)?;
     let abi = Abi::new(&interface, plan.globals.len());
@@ -195,7 +194,8 @@ fn lower(
     Ok(Lowered { context, found, interface, abi, names, buffers })
 }
 
-fn buffer(plan: &Plan<'_>, index: usize) -> Option<BufferSize> {
+/// What the buffer behind a global variable must hold, if it is one.
+pub(crate) fn buffer(plan: &Plan<'_>, index: usize) -> Option<BufferSize> {
     let global = &plan.globals[index];
     let least = buffer_size(plan, index, global.space)?;
     let element = |ty| match plan.types[ty].shape {
@@ -210,7 +210,7 @@ fn buffer(plan: &Plan<'_>, index: usize) -> Option<BufferSize> {
 }
 
 /// Vectors of 64-bit values have two lanes; this backend has four everywhere.
-fn refuse_wide(plan: &Plan<'_>) -> Result<(), CompileError> {
+pub(crate) fn refuse_wide(plan: &Plan<'_>) -> Result<(), CompileError> {
     for f in plan.functions.iter().flatten() {
         let all = f.types.iter().chain(&f.args).chain(&f.result).copied();
         for ty in all.chain(f.locals.iter().map(|l| l.ty)) {

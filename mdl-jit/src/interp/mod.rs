@@ -24,8 +24,10 @@ use self::code::{Image, Pointer, Space, routine};
 use self::machine::{Machine, Replacement, Setting, Table, input_word};
 use crate::batch::{ArgMode, Argument, Batch, Interface, Output, Signature};
 use crate::error::{CompileError, Fault};
+use crate::externs::Externs;
 use crate::options::Options;
 use crate::plan::Plan;
+use crate::texture::TextureFunctions;
 use crate::types::{Kind, Shape};
 
 /// A function prepared for interpretation with `F32` leaves in `R`.
@@ -57,8 +59,7 @@ impl<'m, R: Real> Interpreter<'m, R> {
         signature: &Signature,
         options: &Options,
     ) -> Result<Self, CompileError> {
-        let host = |name: &str| options.externs.iter().any(|e| e == name);
-        let is_replaced = |name: &str| host(name) || (R::WIDE && oracle(name).is_some());
+        let is_replaced = |name: &str| options.replaces(name) || (R::WIDE && oracle(name).is_some());
         let plan = Plan::new(module, info, function, &is_replaced)?;
         let interface = Interface::new(&plan, function, signature)?;
         let image = Image::new::<R>(&plan)?;
@@ -95,13 +96,21 @@ impl<'m, R: Real> Interpreter<'m, R> {
     /// Runs the function on every point of `batch`. Columns of `f64` are welcome.
     pub fn run(&self, batch: &mut Batch<'_>) -> Result<(), Fault> {
         self.interface.check(batch, true)?;
-        let outputs = std::mem::take(&mut batch.outputs);
-        let result = self.points(batch, outputs);
-        result.map(|outputs| batch.outputs = outputs)
+        let mut outputs = std::mem::take(&mut batch.outputs);
+        let textures = batch.textures.map(TextureFunctions::new);
+        let textures = textures.as_ref().map_or_else(Externs::new, TextureFunctions::externs);
+        let result = self.points(batch, &textures, &mut outputs);
+        batch.outputs = outputs;
+        result
     }
 
-    fn points<'b>(&self, batch: &Batch<'_>, mut outputs: Vec<Output<'b>>) -> Result<Vec<Output<'b>>, Fault> {
-        let setting = self.setting(batch)?;
+    fn points(
+        &self,
+        batch: &Batch<'_>,
+        textures: &Externs<'_>,
+        outputs: &mut [Output<'_>],
+    ) -> Result<(), Fault> {
+        let setting = self.setting(batch, textures)?;
         let mut machine = Machine::<R>::new(setting);
         let r = routine(&self.image, self.root);
         // Variables behind pointer arguments live past the end of the prepared memory.
@@ -135,14 +144,14 @@ impl<'m, R: Real> Interpreter<'m, R> {
             }
             machine.run(self.root)?;
             let words = r.result.range().chain(variables.iter().flat_map(Clone::clone));
-            for ((word, output), &kind) in words.zip(&mut outputs).zip(&self.interface.outputs) {
+            for ((word, output), &kind) in words.zip(outputs.iter_mut()).zip(&self.interface.outputs) {
                 write::<R>(output, point, machine.memory[word], kind);
             }
         }
-        Ok(outputs)
+        Ok(())
     }
 
-    fn setting<'a>(&'a self, batch: &'a Batch<'_>) -> Result<Setting<'a>, Fault> {
+    fn setting<'a>(&'a self, batch: &'a Batch<'_>, textures: &Externs<'a>) -> Result<Setting<'a>, Fault> {
         let tables = self.interface.args.iter().zip(&batch.args).map(|(arg, binding)| match arg.mode {
             ArgMode::Table(_) => Some(match binding {
                 Argument::Words(words) => Table::Words(words),
@@ -152,7 +161,7 @@ impl<'m, R: Real> Interpreter<'m, R> {
         });
         let mut replaced = Vec::new();
         for (name, &is) in self.names.iter().zip(&self.replaced) {
-            let by = match (is, batch.externs.get(name), oracle(name)) {
+            let by = match (is, batch.externs.get(name).or_else(|| textures.get(name)), oracle(name)) {
                 (false, ..) => None,
                 (true, Some(host), _) => Some(Replacement::Host(host)),
                 (true, None, Some(meaning)) if R::WIDE => Some(Replacement::Oracle(meaning)),

@@ -40,7 +40,7 @@
 //! | `firstLeadingBit`, `firstTrailingBit` | −1 where there is none |
 //! | `extractBits`, `insertBits` | offset and count are first limited to the width |
 //! | dynamic index | limited to the last element, compared as unsigned; a negative one is the last |
-//! | index into an empty buffer | reads zero |
+//! | index beyond a buffer | the last element; zero if it is empty. A GPU reads some element or zero |
 //! | variables | zero unless initialised |
 //! | loops | a step budget per point; exceeding it ends the run with a fault |
 

@@ -5,6 +5,7 @@
 pub mod generate;
 pub mod generate_flow;
 
+use mdl_jit::texture::Textures;
 use mdl_jit::types::{Kind, Shape, Types};
 use mdl_jit::{
     ArgMode, Argument, Batch, Buffer, Error, Executor, Externs, Input, Lanes, Mode, Options, Output, Program,
@@ -107,6 +108,20 @@ pub struct Case<'p> {
     pub len: usize,
     pub buffers: Vec<(Handle<naga::GlobalVariable>, Vec<u32>)>,
     pub externs: Externs<'p>,
+    pub textures: Option<&'p dyn Textures>,
+}
+
+/// The GPU, or the reason why there is none, which fails the test if `LACQUER_REQUIRE_GPU` is 1.
+pub fn gpu(test: &str) -> Option<&'static mdl_jit::gpu::Context> {
+    static CONTEXT: std::sync::OnceLock<Result<mdl_jit::gpu::Context, String>> = std::sync::OnceLock::new();
+    match CONTEXT.get_or_init(|| mdl_jit::gpu::Context::new().map_err(|e| e.to_string())) {
+        Ok(context) => Some(context),
+        Err(e) if std::env::var("LACQUER_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("{test}: {e}"),
+        Err(e) => {
+            eprintln!("skipped: no adapter ({test}: {e})");
+            None
+        }
+    }
 }
 
 impl<'p> Case<'p> {
@@ -122,8 +137,20 @@ impl<'p> Case<'p> {
             }
         }
         let options = Options { verify: true, ..Options::default() };
-        let (columns, buffers, externs) = (Vec::new(), Vec::new(), Externs::new());
-        Self { program, function, signature, options, kinds, outputs, columns, len: 0, buffers, externs }
+        let (columns, buffers, externs, textures) = (Vec::new(), Vec::new(), Externs::new(), None);
+        Self {
+            program,
+            function,
+            signature,
+            options,
+            kinds,
+            outputs,
+            columns,
+            len: 0,
+            buffers,
+            externs,
+            textures,
+        }
     }
 
     /// Fills all columns with `len` points by `bits(argument, leaf, kind, point)`.
@@ -173,6 +200,7 @@ impl<'p> Case<'p> {
             outputs: outputs.iter_mut().map(Column::output).collect(),
             buffers: self.buffers.iter().map(|(global, words)| Buffer { global: *global, words }).collect(),
             externs: self.externs.clone(),
+            textures: self.textures,
         };
         let Program { module, info } = self.program;
         executor.execute(module, info, self.function, &self.signature, options, &mut batch)?;
