@@ -9,10 +9,8 @@ use super::needs::Needs;
 use super::stage::{LeafKind, called_by, leaf_kinds, push_leaves};
 use super::types::TypeMap;
 use super::values::{Lowering, Strings, reachable};
-use crate::externs::TEXTURE_FUNCTIONS;
 use crate::material::Runtime;
 use crate::state::{StateBatch, StateField, StateFields};
-use crate::texture::TextureFunctions;
 use crate::{ArgMode, Argument, Batch, Buffer, Executor, Input, Mode, Options, Output, Program, Signature};
 use mdl_frontend::graph::{FunctionGraph, NodeKind};
 use mdl_frontend::types::{Scalar, Type, TypeId};
@@ -122,15 +120,15 @@ impl CompiledFunction {
             kinds.iter().map(|kind| Column::new(*kind, executor, state.len())).collect();
         let words = bytemuck::cast_slice(runtime.transforms);
         let buffers = self.program.global(TRANSFORMS).map(|global| Buffer { global, words });
-        let textures = TextureFunctions::new(runtime.textures);
         let mut batch = Batch {
             len: state.len(),
             args,
             outputs: columns.iter_mut().map(Column::output).collect(),
             buffers: buffers.into_iter().collect(),
-            externs: textures.externs(),
+            textures: Some(runtime.textures),
+            ..Batch::default()
         };
-        let options = Options { externs: TEXTURE_FUNCTIONS.map(String::from).to_vec(), ..Options::default() };
+        let options = Options { textures: true, ..Options::default() };
         let Program { module, info } = &self.program;
         executor
             .execute(module, info, self.function, &Signature { args: modes }, &options, &mut batch)

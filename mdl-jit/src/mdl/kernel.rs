@@ -11,10 +11,9 @@ use super::needs::Needs;
 use super::stage::{Leaves, called_by};
 use super::types::{TypeMap, intern, struct_inner};
 use super::values::{Lowering, Strings, reachable};
-use crate::externs::TEXTURE_FUNCTIONS;
 use crate::material::{InputFault, InputKernel, Runtime};
 use crate::state::{StateBatch, StateField};
-use crate::texture::{Renumbered, TextureFunctions};
+use crate::texture::Renumbered;
 use crate::{ArgMode, Argument, Batch, Buffer, Kernel, Mode, Options, Output, Program, Signature};
 use mdl_frontend::graph::{NodeId, NodeKind, Stage};
 use naga::Handle;
@@ -123,7 +122,7 @@ impl PartCode {
             args.push(ArgMode::Leaves(modes));
         }
         args.extend(uniforms.iter().map(|_| ArgMode::Value(Mode::Uniform)));
-        let options = Options { externs: TEXTURE_FUNCTIONS.map(String::from).to_vec(), ..Options::default() };
+        let options = Options { textures: true, ..Options::default() };
         let kernel = Kernel::compile(&program.module, &program.info, function, &Signature { args }, &options)
             .map_err(|e| LowerError::Invalid(e.to_string()))?;
         let transforms = program.global(TRANSFORMS);
@@ -178,9 +177,8 @@ impl InputKernel for BoundKernel {
         let words = bytemuck::cast_slice(runtime.transforms);
         let buffers = self.transforms.map(|global| Buffer { global, words }).into_iter().collect();
         let textures = Renumbered { textures: runtime.textures, numbers: &self.textures };
-        let functions = TextureFunctions::new(&textures);
-        let externs = functions.externs();
-        let mut batch = Batch { len: state.len(), args, outputs, buffers, externs };
+        let mut batch =
+            Batch { len: state.len(), args, outputs, buffers, textures: Some(&textures), ..Batch::default() };
         self.kernel
             .run(&mut batch)
             .map_err(|fault| InputFault { message: format!("material `{}`: {fault}", self.material) })
