@@ -5,12 +5,15 @@
 //! BSDF evaluated at a point ([`Material::at`]), and it can be rendered.
 
 pub mod error;
+pub mod function;
 pub mod loader;
 pub mod material;
 pub mod probe;
 pub mod session;
 
 pub use error::Error;
+pub use function::Function;
 pub use material::Material;
+pub use mdl_frontend::value::Value;
 pub use probe::{Evaluation, Probe, Sample, SurfacePoint};
 pub use session::{Module, Session};

@@ -6,6 +6,7 @@ use layered_bsdf::prelude::*;
 use mdl_jit::material::{PROGRAM_OFFSET, Part, Runtime};
 use mdl_jit::state::{StateBatch, StateField};
 use mdl_jit::texture::NoTextures;
+use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Signature};
 use std::f64::consts::{PI, TAU};
 
 /// A point of a surface in its own frame: x and y are the texture tangents, z the normal.
@@ -80,6 +81,52 @@ impl Probe {
         Evaluation { value: array(v.diffuse + v.glossy), pdf: v.pdf }
     }
 
+    /// Value and density by the library's shader code: in the `f64` interpreter, which is the measure of
+    /// accuracy, or as a compute kernel.
+    pub fn eval_on(
+        &self,
+        executor: Executor<'_>,
+        wo: [f32; 3],
+        wi: [f32; 3],
+    ) -> Result<([f64; 3], f64), Error> {
+        let failed = |e: &dyn std::fmt::Display| Error::Setting(e.to_string());
+        let library = mdl_jit::Program::from_wgsl(&layered_bsdf::wgsl::source()).map_err(|e| failed(&e))?;
+        let function = library.function("bsdf_eval").expect("the library has an evaluator");
+        let mut program = vec![self.program.count];
+        program.extend(self.program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
+        let params: Vec<u32> = self.params.v.iter().map(|x| x.to_bits()).collect();
+        let p = &self.point;
+        let vectors = [p.geometry_normal, p.ior_near, p.ior_far].into_iter().flat_map(array);
+        let mut point: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
+        point.push(Input::U32(p.flags));
+        let direction = |v: [f32; 3]| Argument::Leaves(v.map(Input::F32).to_vec());
+        let args = vec![
+            Argument::Words(&program),
+            Argument::Words(&params),
+            Argument::Leaves(point),
+            direction(wo),
+            direction(wi),
+        ];
+        let uniform = ArgMode::Value(Mode::Uniform);
+        let table = ArgMode::Table(Mode::Uniform);
+        let signature =
+            Signature { args: vec![table.clone(), table, uniform.clone(), uniform.clone(), uniform] };
+        // Diffuse, glossy, density, specular.
+        let (mut narrow, mut wide) = ([[0f32; 1]; 10], [[0f64; 1]; 10]);
+        let precise = matches!(executor, Executor::Interp64);
+        let outputs = match precise {
+            true => wide.iter_mut().map(|column| Output::F64(column)).collect(),
+            false => narrow.iter_mut().map(|column| Output::F32(column)).collect(),
+        };
+        let mut batch = Batch { len: 1, args, outputs, ..Batch::default() };
+        executor
+            .execute(&library.module, &library.info, function, &signature, &Options::default(), &mut batch)
+            .map_err(|e| failed(&e))?;
+        drop(batch);
+        let leaf = |i: usize| if precise { wide[i][0] } else { f64::from(narrow[i][0]) };
+        Ok(([0, 1, 2].map(|i| leaf(i) + leaf(i + 3)), leaf(6)))
+    }
+
     /// A direction from three random numbers in [0, 1).
     pub fn sample(&mut self, wo: [f32; 3], u: [f32; 3]) -> Sample {
         let s = bsdf_sample(&mut self.program, &mut self.params, self.point, vector(wo), vector(u));
@@ -147,33 +194,51 @@ impl Probe {
     }
 }
 
+/// The transforms of an object that lies where the world has it: to the world and back.
+pub(crate) const IDENTITY: [[f32; 4]; 6] = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+];
+
+/// Sets a field of a point of a flat surface whose normal is z and whose tangents are x and y.
+pub(crate) fn set_flat(
+    state: &mut StateBatch,
+    field: StateField,
+    index: usize,
+    position: [f32; 3],
+    uvw: [f32; 3],
+) {
+    use StateField::*;
+    match field {
+        Position => state.set(field, index, position),
+        Normal | GeometryNormal | FrameZ => state.set(field, index, [0.0, 0.0, 1.0]),
+        TextureCoordinate0 | TextureCoordinate1 | TextureCoordinate2 | TextureCoordinate3 => {
+            state.set(field, index, uvw);
+        }
+        TextureTangentU0 | TextureTangentU1 | TextureTangentU2 | TextureTangentU3 | FrameX => {
+            state.set(field, index, [1.0, 0.0, 0.0]);
+        }
+        TextureTangentV0 | TextureTangentV1 | TextureTangentV2 | TextureTangentV3 | FrameY => {
+            state.set(field, index, [0.0, 1.0, 0.0]);
+        }
+        Motion => state.set(field, index, [0.0; 3]),
+        ObjectId | Instance => state.set(field, index, [f32::from_bits(0)]),
+    }
+}
+
 /// All outputs of a part of a material at a point.
 pub fn evaluate_inputs(material: &Material, part: Part, at: &SurfacePoint) -> Result<Vec<f32>, Error> {
     let inputs = material.shaded().inputs(part);
     let mut state = StateBatch::default();
     state.reset(1, inputs.state);
-    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
     for field in inputs.state.iter() {
-        use StateField::*;
-        match field {
-            Position => state.set(field, 0, at.position),
-            Normal | GeometryNormal | FrameZ => state.set(field, 0, z),
-            TextureCoordinate0 | TextureCoordinate1 | TextureCoordinate2 | TextureCoordinate3 => {
-                state.set(field, 0, at.uvw);
-            }
-            TextureTangentU0 | TextureTangentU1 | TextureTangentU2 | TextureTangentU3 | FrameX => {
-                state.set(field, 0, x);
-            }
-            TextureTangentV0 | TextureTangentV1 | TextureTangentV2 | TextureTangentV3 | FrameY => {
-                state.set(field, 0, y);
-            }
-            Motion => state.set(field, 0, [0.0; 3]),
-            ObjectId | Instance => state.set(field, 0, [f32::from_bits(0)]),
-        }
+        set_flat(&mut state, field, 0, at.position, at.uvw);
     }
-    const IDENTITY: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    let transforms = [IDENTITY, IDENTITY].concat();
-    let runtime = Runtime { textures: &NoTextures, transforms: &transforms, animation_time: 0.0 };
+    let runtime = Runtime { textures: &NoTextures, transforms: &IDENTITY, animation_time: 0.0 };
     let mut columns = Vec::new();
     inputs.run(&state, &runtime, &mut columns)?;
     Ok((0..inputs.uniform.len()).map(|output| inputs.value(&columns, output, 0)).collect())

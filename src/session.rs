@@ -1,6 +1,7 @@
 //! A session: where modules are found, and what has been checked.
 
 use crate::error::Error;
+use crate::function::Function;
 use crate::loader::{FileLoader, read_module};
 use crate::material::Material;
 use mdl_frontend::diagnostics::{Diagnostic, render};
@@ -181,6 +182,16 @@ impl Module {
         };
         let arguments = arguments.iter().map(|(name, text)| (name.to_string(), Argument::from(*text)));
         Material::new(self.clone(), &name, Mode::Class, arguments.collect())
+    }
+
+    /// Compiles an exported function. One of several overloads is named with the types of its parameters,
+    /// such as `f(float,int)`. Arguments are MDL expressions.
+    pub fn function(&self, name: &str, arguments: &[(&str, &str)]) -> Result<Function, Error> {
+        self.refuse_errors()?;
+        let arguments: Vec<(&str, Argument)> =
+            arguments.iter().map(|(name, text)| (*name, Argument::from(*text))).collect();
+        let graph = self.session.compiler().function_graph(&self.checked, name, Mode::Class, &arguments)?;
+        Function::new(&graph)
     }
 
     /// Errors of the module as an error.

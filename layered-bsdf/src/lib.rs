@@ -35,6 +35,7 @@
     reason = "the macro that prints WGSL adds a static without documentation to each module"
 )]
 pub mod curves;
+pub mod describe;
 pub mod edf;
 pub mod evaluator;
 pub mod frame;

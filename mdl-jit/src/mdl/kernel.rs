@@ -114,16 +114,9 @@ impl PartCode {
         uniforms: Vec<NodeId>,
     ) -> Result<Self, LowerError> {
         let program = Program::new(module).map_err(|e| LowerError::Invalid(e.to_string()))?;
-        let mut args = Vec::new();
-        if !needs.is_empty() {
-            let columns: usize = needs.fields.iter().map(StateField::components).sum();
-            let mut modes = vec![Mode::Varying; columns];
-            modes.extend(needs.time.then_some(Mode::Uniform));
-            args.push(ArgMode::Leaves(modes));
-        }
-        args.extend(uniforms.iter().map(|_| ArgMode::Value(Mode::Uniform)));
+        let signature = signature(&needs, uniforms.len());
         let options = Options { textures: true, ..Options::default() };
-        let kernel = Kernel::compile(&program.module, &program.info, function, &Signature { args }, &options)
+        let kernel = Kernel::compile(&program.module, &program.info, function, &signature, &options)
             .map_err(|e| LowerError::Invalid(e.to_string()))?;
         let transforms = program.global(TRANSFORMS);
         Ok(Self {
@@ -134,6 +127,11 @@ impl PartCode {
             function,
             transforms,
         })
+    }
+
+    /// How the function takes its arguments.
+    pub fn signature(&self) -> Signature {
+        signature(&self.needs, self.uniforms.len())
     }
 
     /// The kernel with the values of its uniform nodes.
@@ -147,6 +145,19 @@ impl PartCode {
             transforms: self.transforms,
         }
     }
+}
+
+/// The state varies, but for the time; the uniform nodes do not.
+fn signature(needs: &Needs, uniforms: usize) -> Signature {
+    let mut args = Vec::new();
+    if !needs.is_empty() {
+        let columns: usize = needs.fields.iter().map(StateField::components).sum();
+        let mut modes = vec![Mode::Varying; columns];
+        modes.extend(needs.time.then_some(Mode::Uniform));
+        args.push(ArgMode::Leaves(modes));
+    }
+    args.extend((0..uniforms).map(|_| ArgMode::Value(Mode::Uniform)));
+    Signature { args }
 }
 
 /// Code with its uniform values.
