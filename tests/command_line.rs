@@ -1,0 +1,194 @@
+//! The command line as scripts see it: exit status, messages with place and cause, JSON.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own for a test, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("lacquer-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("the temporary folder is writable");
+        Self(path)
+    }
+
+    fn write(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        std::fs::write(&path, text).expect("the folder is writable");
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What cannot be removed is the system's to clean.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn lacquer(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lacquer"))
+        .args(args)
+        .output()
+        .expect("the binary was built for this test")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("temporary paths are UTF-8")
+}
+
+/// Runs a command that must fail with `status`, saying all of `parts` on stderr.
+fn fails(args: &[&str], status: i32, parts: &[&str]) {
+    let output = lacquer(args);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {said}");
+    for part in parts {
+        assert!(said.contains(part), "{args:?} does not say `{part}`:\n{said}");
+    }
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+const HEADER: &str = "mdl 1.7;\nimport ::df::*;\nimport ::tex::*;\n";
+
+#[test]
+fn usage_errors_have_status_two() {
+    fails(&["check"], 2, &["required"]);
+    fails(&["check", "--no-such-flag", "x.mdl"], 2, &["--no-such-flag"]);
+    fails(&["frobnicate"], 2, &["frobnicate"]);
+    fails(&["bsdf", "::catalog::metal::gold", "--wo", "0,0,0", "albedo"], 2, &["must not be zero"]);
+    fails(&["bsdf", "::catalog::metal::gold", "--wo", "0,0,-1", "albedo"], 2, &["above the surface"]);
+    fails(&["bsdf", "::catalog::metal::gold", "--wo", "0,0,1", "eval"], 2, &["--wi"]);
+}
+
+#[test]
+fn missing_things_are_named() {
+    fails(&["check", "/no/such/file.mdl"], 1, &["/no/such/file.mdl", "No such file"]);
+    fails(&["inspect", "/no/such/file.mdl"], 1, &["/no/such/file.mdl"]);
+    fails(&["inspect", "::catalog::metal::iron"], 1, &["iron", "gold"]);
+    fails(&["inspect", "::catalog::no_such_module::x"], 1, &["::catalog::no_such_module"]);
+    fails(&["inspect", "::catalog::plastic::plastic", "--arg", "rufness=1"], 1, &["rufness", "roughness"]);
+    fails(&["inspect", "::catalog::plastic::plastic", "--arg", "roughness=colour(1)"], 1, &["colour"]);
+    fails(&["inspect", "::catalog::plastic::plastic", "--arg", "roughness"], 2, &["NAME=VALUE"]);
+}
+
+#[test]
+fn errors_of_a_source_are_all_reported_with_their_places() {
+    let folder = Folder::new("errors");
+    let file = folder.write(
+        "wrong.mdl",
+        format!(
+            "{HEADER}export float f() {{ return undefined_name; }}\n\
+             export float g() {{ return \"text\"; }}\n\
+             export material m() = material(surface: material_surface(scattering: df::diffus()));\n\
+             export float h( {{ return 1.0; }}\n"
+        ),
+    );
+    fails(
+        &["check", path(&file)],
+        1,
+        &["undefined_name", "wrong.mdl:4", "wrong.mdl:5", "diffus", "wrong.mdl:7"],
+    );
+    fails(&["inspect", path(&file)], 1, &["undefined_name"]);
+    let output = lacquer(&["check", path(&file), "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let lines: Vec<serde_json::Value> = text(&output.stdout)
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("every line is a JSON object"))
+        .collect();
+    assert!(lines.len() >= 4, "{lines:?}");
+    for line in &lines {
+        for key in ["code", "severity", "message", "file", "line", "column"] {
+            assert!(!line[key].is_null(), "{line} has no {key}");
+        }
+    }
+}
+
+#[test]
+fn cyclic_imports_and_missing_textures_are_errors() {
+    let folder = Folder::new("imports");
+    folder.write("a.mdl", "mdl 1.7;\nimport .::b::*;\nexport const int x = 1;\n");
+    let b = folder.write("b.mdl", "mdl 1.7;\nimport .::a::*;\nexport const int y = 1;\n");
+    fails(&["check", path(&b)], 1, &["b.mdl"]);
+    let file = folder.write(
+        "textured.mdl",
+        format!(
+            "{HEADER}export material m() = material(surface: material_surface(scattering: \
+             df::diffuse_reflection_bsdf(tint: tex::lookup_color(texture_2d(\"./gone.png\"), float2(0.5)))));\n"
+        ),
+    );
+    fails(&["check", path(&file)], 1, &["gone.png", "textured.mdl:4"]);
+}
+
+#[test]
+fn clean_modules_have_status_zero_and_warnings_can_be_denied() {
+    let folder = Folder::new("clean");
+    let file = folder.write("fine.mdl", "mdl 1.7;\nexport float f(float unused_one) { return 1.0; }\n");
+    let output = lacquer(&["check", path(&file)]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    fails(&["check", path(&file), "--deny-warnings"], 1, &["unused_one"]);
+    assert_eq!(lacquer(&["check", "::nothing"]).status.code(), Some(1));
+}
+
+#[test]
+fn bsdf_answers_in_json() {
+    let json = |args: &[&str]| -> serde_json::Value {
+        let output = lacquer(args);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("one object on stdout")
+    };
+    let wo = ["--wo", "0,0.6,0.8"];
+    let eval = json(&["bsdf", "::catalog::plastic::plastic", wo[0], wo[1], "--wi", "0,-0.6,0.8", "eval"]);
+    assert_eq!(eval["material"], "::catalog::plastic::plastic");
+    assert_eq!(eval["value"].as_array().map(Vec::len), Some(3));
+    assert!(eval["pdf"].as_f64().is_some_and(|pdf| pdf > 0.0));
+    let sample = json(&["bsdf", "::catalog::glass::clear_glass", wo[0], wo[1], "sample"]);
+    assert_eq!(sample["event"], "specular transmission");
+    let furnace = json(&["bsdf", "::catalog::glass::clear_glass", wo[0], wo[1], "furnace"]);
+    for key in ["by_eval", "by_sample"] {
+        let channels = furnace[key].as_array().expect("three channels");
+        assert!(channels.iter().all(|x| (x.as_f64().unwrap_or(0.0) - 1.0).abs() < 1e-3), "{furnace}");
+    }
+}
+
+#[test]
+fn eval_agrees_across_backends() {
+    let folder = Folder::new("eval");
+    let file = folder.write(
+        "f.mdl",
+        "mdl 1.7;\nimport ::math::*;\nexport float3 f(float x = 0.3) {\n\
+         float s = 0.0;\nfor (int i = 0; i < 5; ++i) { s += math::sin(x * float(i)); }\n\
+         return float3(s, math::pow(x, 2.5), math::exp(-x)); }\n",
+    );
+    let target = format!("{}::f", path(&file));
+    let run = |backend: &str| -> Vec<f64> {
+        let output = lacquer(&["eval", &target, "--backend", backend, "--arg", "x=0.7"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+        assert_eq!(value["type"], "float3");
+        value["value"].as_array().expect("a vector").iter().filter_map(serde_json::Value::as_f64).collect()
+    };
+    let exact = run("interp64");
+    let x = 0.7f64;
+    assert!((exact[0] - (0..5).map(|i| (x * f64::from(i)).sin()).sum::<f64>()).abs() < 1e-6);
+    assert_eq!(run("interp32"), run("cpu"));
+    for (a, b) in exact.iter().zip(run("cpu")) {
+        assert!((a - b).abs() < 1e-6, "{exact:?}");
+    }
+}
+
+#[test]
+fn code_is_printed_in_all_forms() {
+    for form in ["naga", "wgsl", "glsl", "hlsl", "msl", "clif", "asm"] {
+        let output = lacquer(&["emit", "::catalog::checker::checker", "--target", form]);
+        assert!(output.status.success() && output.stdout.len() > 100, "{form}: {}", text(&output.stderr));
+    }
+    let output = lacquer(&["emit", "::catalog::checker::checker", "--target", "spirv"]);
+    assert_eq!(output.stdout.get(..4), Some(&[0x03, 0x02, 0x23, 0x07][..]));
+    fails(&["emit", "::catalog::glass::clear_glass", "--target", "wgsl"], 1, &["nothing varies"]);
+    fails(&["emit", "::catalog::checker::checker", "--target", "cobol"], 2, &["cobol"]);
+}
