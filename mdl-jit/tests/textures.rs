@@ -68,6 +68,7 @@ fn host_functions_and_shader_text_agree_bit_for_bit() {
 
     let text = Program::from_wgsl(&format!("{TEXTURES}{CALLER}")).expect("the text validates");
     let mut by_text = case(&text, 5003);
+    by_text.options.textures = false;
     let words = text.global("tex_words").expect("the text has a buffer");
     by_text.buffers.push((words, table.words().to_vec()));
     by_text.check().expect("all executors run the text alike");

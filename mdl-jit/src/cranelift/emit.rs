@@ -55,6 +55,8 @@ pub struct Emit<'f> {
     pub rounds: bool,
     /// Imported host function of [`Native`] functions and the slot for its operands.
     pub native: Option<(ir::FuncRef, ir::StackSlot)>,
+    /// Whether it is called.
+    pub native_used: bool,
 }
 
 /// The type of a scalar of this kind.
@@ -551,6 +553,7 @@ impl Emit<'_> {
     /// Writes the operands to a slot, lets the host replace the first by the result, reads that.
     fn call_native(&mut self, fun: Native, result: Kind, varying: bool, args: &[V]) -> V {
         let (callee, slot) = self.native.expect("the host function is imported");
+        self.native_used = true;
         let address = self.b.ins().stack_addr(types::I64, slot, 0);
         for (i, &a) in args.iter().enumerate() {
             let x = self.operand(a, varying);

@@ -7,6 +7,7 @@
 mod abi;
 mod bind;
 mod code;
+mod cold;
 mod emit;
 mod isa;
 mod lower;
@@ -91,7 +92,8 @@ impl Kernel {
         let mut builder = code::Builder::new(isa.clone())?;
         let imports = |func: &mut ir::Function| builder.import(func);
         let mut lowered = lower(module, info, function, signature, options, &isa, imports)?;
-        let code = builder.finish(&mut lowered.context)?;
+        let (host, native) = (!lowered.found.host.is_empty(), lowered.found.native);
+        let code = builder.finish(&mut lowered.context, host, native)?;
         let Lowered { found, interface, abi, names, buffers, .. } = lowered;
         let single = options.lanes == Lanes::One;
         let steps = options.steps;
@@ -158,7 +160,8 @@ fn lower(
     isa: &OwnedTargetIsa,
     mut imports: impl FnMut(&mut ir::Function) -> [FuncRef; 2],
 ) -> Result<Lowered, CompileError> {
-    let plan = Plan::new(module, info, function, &|name| options.replaces(name))?;
+    let replaced = |name: &str| options.replaces(name) || cold::function(name).is_some();
+    let plan = Plan::new(module, info, function, &replaced)?;
     refuse_wide(&plan)?;
     let interface = Interface::new(&plan, function, signature)?;
     let abi = Abi::new(&interface, plan.globals.len());

@@ -79,7 +79,7 @@ impl Writer<'_> {
     }
 
     /// A leaf of a scalar type from a word.
-    fn from_word(&mut self, word: Handle<Expression>, scalar: Scalar) -> Handle<Expression> {
+    fn leaf_of_word(&mut self, word: Handle<Expression>, scalar: Scalar) -> Handle<Expression> {
         match scalar.kind {
             ScalarKind::Bool => {
                 let zero = self.word(0);
@@ -316,7 +316,7 @@ fn entry(
         let offset = w.binary(naga::BinaryOperator::Multiply, point, stride);
         let index = w.binary(naga::BinaryOperator::Add, at, offset);
         let word = w.load(inputs, index);
-        w.from_word(word, scalar)
+        w.leaf_of_word(word, scalar)
     };
     let callee = &w.module.functions[root];
     let (mut arguments, mut variables) = (Vec::new(), Vec::new());

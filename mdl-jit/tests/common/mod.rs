@@ -217,6 +217,7 @@ impl<'p> Case<'p> {
         vec![
             ("4 lanes", Options { lanes: Lanes::Four, ..o.clone() }),
             ("1 lane", Options { lanes: Lanes::One, ..o.clone() }),
+            ("plain tier", Options { tier: Tier::Plain, ..o.clone() }),
             ("fast tier", Options { tier: Tier::Fast, ..o.clone() }),
             ("SSE4.1", Options { target: Target::Sse41, ..o.clone() }),
             ("SSE2", Options { target: Target::Baseline, ..o.clone() }),

@@ -342,7 +342,7 @@ impl<'a> Lower<'a, '_> {
         let kinds = function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))?;
         let leaves: Vec<V> = args.iter().flat_map(|&a| self.leaves(a).to_vec()).collect();
         let varying = leaves.iter().any(|v| v.is_varying());
-        let rows = self.slot(16 * (leaves.len() + kinds.len()).max(1))?;
+        let rows = self.slot(16 * (leaves.len() + kinds.len() + 1))?;
         let address = self.e.b.ins().stack_addr(types::I64, rows, 0);
         for (i, &v) in leaves.iter().enumerate() {
             // Truth values are passed as masks in any case.
@@ -364,8 +364,9 @@ impl<'a> Lower<'a, '_> {
         let table = self.context_word(super::abi::HOST);
         let number = self.e.b.ins().iconst(types::I32, index as i64);
         let counts = self.e.b.ins().iconst(types::I32, ((leaves.len() << 16) | kinds.len()) as i64);
-        let call = self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
-        let status = self.e.b.inst_results(call)[0];
+        self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
+        let at = 16 * (leaves.len() + kinds.len()) as i32;
+        let status = self.e.b.ins().load(types::I32, super::emit::memory(), address, at);
         self.fault_if(status, FaultSite::Host { index });
         let mut out = Vec::new();
         for (i, kind) in kinds.into_iter().enumerate() {

@@ -202,7 +202,7 @@ impl Lower<'_, '_> {
         }
         let as_word = if kind == Kind::Bool { Kind::U32 } else { kind };
         let value = self.e.b.ins().load(scalar_type(as_word), memory(), address, 0);
-        self.from_words(Emit::uniform_leaf(as_word, value), kind)
+        self.leaf_of_words(Emit::uniform_leaf(as_word, value), kind)
     }
 
     fn store_row(&mut self, address: Value, v: V, varying: bool) {
@@ -414,7 +414,7 @@ impl Lower<'_, '_> {
                     let entry = l.row_address(table, step);
                     (l.column_address(entry, at, offset), 4 * i32::from(lane))
                 });
-                self.from_words(v, kind)
+                self.leaf_of_words(v, kind)
             }
             _ => {
                 let entry = match step {
@@ -445,11 +445,11 @@ impl Lower<'_, '_> {
             if self.single { (scalar_type(as_word), false) } else { (lanes_type(as_word), true) };
         let value = self.e.b.ins().load(ty, memory(), address, 0);
         let v = V { kind: as_word, data: if varying { Data::Varying(value) } else { Data::Uniform(value) } };
-        self.from_words(v, kind)
+        self.leaf_of_words(v, kind)
     }
 
     /// A leaf of `kind` from words in memory, where a truth value is zero or not.
-    pub fn from_words(&mut self, v: V, kind: Kind) -> V {
+    pub fn leaf_of_words(&mut self, v: V, kind: Kind) -> V {
         if kind == Kind::Bool {
             self.e.convert(v.kind, Kind::Bool, v)
         } else {
@@ -480,6 +480,6 @@ impl Lower<'_, '_> {
                 Emit::uniform_leaf(Kind::U32, value)
             }
         };
-        self.from_words(v, kind)
+        self.leaf_of_words(v, kind)
     }
 }
