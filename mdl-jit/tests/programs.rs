@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Case, Column, check, gpu};
+use common::{Case, Column, check};
 use mdl_jit::types::Kind;
 use mdl_jit::{
     ArgMode, Argument, Batch, CompileError, Error, Executor, Fault, Input, Interpreter, Kernel, Lanes, Mode,
@@ -239,7 +239,9 @@ fn a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way() {
         drop(batch);
         case.equal("words", &want, &outputs).expect("the same");
     }
-    if let Some(gpu) = gpu("a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way") {
+    #[cfg(feature = "gpu")]
+    if let Some(gpu) = common::gpu("a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way")
+    {
         let got = case.run(Executor::Gpu(gpu)).expect("the kernel runs");
         for (w, g) in want.iter().zip(&got) {
             let (Column::F32(w), Column::F32(g)) = (w, g) else { panic!("values are floats") };

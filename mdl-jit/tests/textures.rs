@@ -76,6 +76,7 @@ fn host_functions_and_shader_text_agree_bit_for_bit() {
     by_host.equal("shader text", &want, &got).expect("the same values");
 }
 
+#[cfg(feature = "gpu")]
 #[test]
 fn lookups_on_the_gpu_equal_those_of_the_host() {
     let Some(gpu) = common::gpu("lookups_on_the_gpu_equal_those_of_the_host") else { return };

@@ -103,13 +103,13 @@ impl Builder {
         let mut shim = |name: &str, params: Vec<AbiParam>| {
             let mut signature = Signature::new(isa.default_call_conv());
             signature.params = params;
-            let callee = module.declare_function(name, Linkage::Import, &signature)?;
+            let callee = module.declare_function(name, Linkage::Import, &signature).map_err(failed)?;
             signature.call_conv = CallConv::PreserveAll;
-            let caller = module.declare_anonymous_function(&signature)?;
-            Ok::<_, cranelift_module::ModuleError>(Shim { callee, caller })
+            let caller = module.declare_anonymous_function(&signature).map_err(failed)?;
+            Ok::<_, CompileError>(Shim { callee, caller })
         };
-        let host = shim("lacquer_host", vec![pointer, word, word, word, pointer]).map_err(failed)?;
-        let native = shim("lacquer_native", vec![word, word, pointer]).map_err(failed)?;
+        let host = shim("lacquer_host", vec![pointer, word, word, word, pointer])?;
+        let native = shim("lacquer_native", vec![word, word, pointer])?;
         Ok(Self { module, host, native })
     }
 

@@ -44,7 +44,9 @@
 //! | variables | zero unless initialised |
 //! | loops | a step budget per point; exceeding it ends the run with a fault |
 
+mod bits;
 mod composite;
+mod geometry;
 mod native;
 
 pub use composite::{Form, Pure, evaluate};

@@ -112,6 +112,7 @@ pub struct Case<'p> {
 }
 
 /// The GPU, or the reason why there is none, which fails the test if `LACQUER_REQUIRE_GPU` is 1.
+#[cfg(feature = "gpu")]
 pub fn gpu(test: &str) -> Option<&'static mdl_jit::gpu::Context> {
     static CONTEXT: std::sync::OnceLock<Result<mdl_jit::gpu::Context, String>> = std::sync::OnceLock::new();
     match CONTEXT.get_or_init(|| mdl_jit::gpu::Context::new().map_err(|e| e.to_string())) {

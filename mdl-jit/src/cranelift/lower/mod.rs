@@ -26,6 +26,7 @@ mod expr;
 mod flow;
 mod kernel;
 mod place;
+mod read;
 
 use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, Value, types};
 use cranelift_frontend::Variable;

@@ -16,8 +16,11 @@ use cranelift_codegen::ir::{self, Endianness, InstBuilder, MemFlagsData, Type, V
 use cranelift_frontend::FunctionBuilder;
 
 use crate::interp::Words;
-use crate::semantics::{Binary, Native, Scalars, Unary};
+use crate::semantics::{Binary, Unary};
 use crate::types::Kind;
+
+mod convert;
+mod scalars;
 
 /// Where a leaf is.
 #[derive(Clone, Copy, Debug)]
@@ -367,48 +370,6 @@ impl Emit<'_> {
         self.cast(types::F32, r)
     }
 
-    /// Rounding without an instruction for it: numbers from 2²³ on are integers already.
-    fn round_by_hand(&mut self, op: Unary, varying: bool, x: Value) -> Value {
-        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
-        let limit = self.float_const(varying, 8388608.0);
-        let one = self.float_const(varying, 1.0);
-        let a = self.b.ins().fabs(x);
-        let whole = if op == Unary::Round {
-            let sum = self.b.ins().fadd(a, limit);
-            let near = self.b.ins().fsub(sum, limit);
-            self.copy_sign(ints, floats, near, x)
-        } else {
-            let i = self.b.ins().fcvt_to_sint_sat(ints, x);
-            let t = self.b.ins().fcvt_from_sint(floats, i);
-            let t = self.copy_sign(ints, floats, t, x);
-            match op {
-                Unary::Floor => {
-                    let above = self.b.ins().fcmp(FloatCC::LessThan, x, t);
-                    let lower = self.b.ins().fsub(t, one);
-                    self.choose(varying, above, lower, t)
-                }
-                Unary::Ceil => {
-                    let below = self.b.ins().fcmp(FloatCC::LessThan, t, x);
-                    let upper = self.b.ins().fadd(t, one);
-                    self.choose(varying, below, upper, t)
-                }
-                _ => t,
-            }
-        };
-        let small = self.b.ins().fcmp(FloatCC::LessThan, a, limit);
-        self.choose(varying, small, whole, x)
-    }
-
-    fn copy_sign(&mut self, ints: Type, floats: Type, x: Value, sign: Value) -> Value {
-        let (x, sign) = (self.cast(ints, x), self.cast(ints, sign));
-        let mask =
-            if ints == types::I32 { self.int_const(1 << 31) } else { self.vector_const(ints, 1 << 31) };
-        let sign = self.b.ins().band(sign, mask);
-        let x = self.b.ins().band_not(x, mask);
-        let r = self.b.ins().bor(x, sign);
-        self.cast(floats, r)
-    }
-
     fn int_unary(&mut self, op: Unary, kind: Kind, varying: bool, x: Value) -> Value {
         let b = &mut self.b;
         match op {
@@ -425,146 +386,8 @@ impl Emit<'_> {
         }
     }
 
-    fn convert_value(&mut self, from: Kind, to: Kind, varying: bool, x: Value) -> Value {
-        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
-        match (from, to) {
-            (Kind::F32, Kind::Bool) => {
-                let zero = self.float_const(varying, 0.0);
-                self.b.ins().fcmp(FloatCC::NotEqual, x, zero)
-            }
-            (Kind::F32, Kind::I32) => self.b.ins().fcvt_to_sint_sat(ints, x),
-            (Kind::F32, Kind::U32) => self.b.ins().fcvt_to_uint_sat(ints, x),
-            (Kind::I32, Kind::F32) => self.b.ins().fcvt_from_sint(floats, x),
-            (Kind::U32, Kind::F32) => self.b.ins().fcvt_from_uint(floats, x),
-            (Kind::I32 | Kind::U32, Kind::Bool) => {
-                let zero = self.operand(Self::known(from, 0), varying);
-                self.b.ins().icmp(IntCC::NotEqual, x, zero)
-            }
-            (Kind::Bool, Kind::I32 | Kind::U32) if varying => self.b.ins().ushr_imm_u(x, 31),
-            (Kind::Bool, Kind::I32 | Kind::U32) => self.b.ins().uextend(ints, x),
-            (Kind::Bool, Kind::F32) => {
-                let i = self.convert_value(from, Kind::I32, varying, x);
-                self.b.ins().fcvt_from_sint(floats, i)
-            }
-            _ => x,
-        }
-    }
-
     /// Folds an operation on constants with the interpreter's own primitives.
     fn fold(result: Kind, f: impl FnOnce(&mut Words<f32>) -> u64) -> V {
         Self::known(result, f(&mut Words(PhantomData)) as u32)
-    }
-}
-
-fn compares(op: Binary) -> bool {
-    matches!(op, Binary::Eq | Binary::Ne | Binary::Lt | Binary::Le | Binary::Gt | Binary::Ge)
-}
-
-impl Scalars for Emit<'_> {
-    type V = V;
-
-    fn constant(&mut self, kind: Kind, bits: u64) -> V {
-        Self::known(kind, bits as u32)
-    }
-
-    fn unary(&mut self, op: Unary, kind: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::fold(kind, |w| w.unary(op, kind, u64::from(x)));
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = match kind {
-            Kind::F32 => self.float_unary(op, varying, x),
-            Kind::Bool => self.not(varying, x),
-            _ => self.int_unary(op, kind, varying, x),
-        };
-        self.leaf(kind, varying, value)
-    }
-
-    fn binary(&mut self, op: Binary, kind: Kind, a: V, c: V) -> V {
-        if let (Some(x), Some(y)) = (a.known(), c.known()) {
-            let result = if compares(op) { Kind::Bool } else { kind };
-            return Self::fold(result, |w| w.binary(op, kind, u64::from(x), u64::from(y)));
-        }
-        let varying = a.is_varying() || c.is_varying();
-        if !matches!(kind, Kind::F32 | Kind::Bool) {
-            return self.int_binary(op, kind, a, c);
-        }
-        let (x, y) = (self.operand(a, varying), self.operand(c, varying));
-        if kind == Kind::F32 {
-            self.float_binary(op, varying, x, y)
-        } else {
-            self.bool_binary(op, varying, x, y)
-        }
-    }
-
-    fn select(&mut self, kind: Kind, c: V, t: V, f: V) -> V {
-        if let Some(c) = c.known() {
-            return if c != 0 { t } else { f };
-        }
-        if c.is_varying() || t.is_varying() || f.is_varying() {
-            let (c, t, f) = (self.lanes(c), self.lanes(t), self.lanes(f));
-            let value = self.blend(c, t, f);
-            return self.leaf(kind, true, value);
-        }
-        let (c, t, f) = (self.scalar(c), self.scalar(t), self.scalar(f));
-        let value =
-            if kind == Kind::F32 { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
-        self.leaf(kind, false, value)
-    }
-
-    fn convert(&mut self, from: Kind, to: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::fold(to, |w| w.convert(from, to, u64::from(x)));
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = self.convert_value(from, to, varying, x);
-        self.leaf(to, varying, value)
-    }
-
-    fn bitcast(&mut self, _: Kind, to: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::known(to, x);
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = self.cast(if varying { lanes_type(to) } else { scalar_type(to) }, x);
-        self.leaf(to, varying, value)
-    }
-
-    fn native(&mut self, fun: Native, _: Kind, args: &[V]) -> V {
-        let result = match fun {
-            Native::FrexpExponent => Kind::I32,
-            Native::ToHalf => Kind::U32,
-            _ => Kind::F32,
-        };
-        if let [Some(a), b] = [args[0].known(), args.get(1).map_or(Some(0), |b| b.known())]
-            && let Some(b) = b
-        {
-            return Self::known(result, fun.f32(u64::from(a), u64::from(b)) as u32);
-        }
-        let varying = args.iter().any(|a| a.is_varying());
-        self.call_native(fun, result, varying, args)
-    }
-}
-
-impl Emit<'_> {
-    /// Writes the operands to a slot, lets the host replace the first by the result, reads that.
-    fn call_native(&mut self, fun: Native, result: Kind, varying: bool, args: &[V]) -> V {
-        let (callee, slot) = self.native.expect("the host function is imported");
-        self.native_used = true;
-        let address = self.b.ins().stack_addr(types::I64, slot, 0);
-        for (i, &a) in args.iter().enumerate() {
-            let x = self.operand(a, varying);
-            self.b.ins().store(memory(), x, address, 16 * i as i32);
-        }
-        let number = Native::ALL.iter().position(|&n| n == fun).expect("all functions are listed");
-        let number = self.int_const(number as u32);
-        let lanes = self.int_const(if varying { 4 } else { 1 });
-        self.b.ins().call(callee, &[number, lanes, address]);
-        let ty = if varying { lanes_type(result) } else { scalar_type(result) };
-        let value = self.b.ins().load(ty, memory(), address, 0);
-        self.leaf(result, varying, value)
     }
 }
