@@ -1,6 +1,6 @@
 //! The CPU backend: naga functions compiled to code that computes four points at a time.
 //!
-//! [`Kernel::compile`] lowers a function ([`lower`]) for the machine it runs on; [`Kernel::run`] runs it
+//! [`Kernel::compile`] lowers a function ([`mod@lower`]) for the machine it runs on; [`Kernel::run`] runs it
 //! over a batch. The result equals the `f32` interpreter's bit for bit. Compiled code never traps and
 //! reads and writes nothing outside the batch.
 

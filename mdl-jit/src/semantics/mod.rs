@@ -1,7 +1,7 @@
 //! What the operations of naga IR mean, in scalar primitives.
 //!
 //! An executor supplies the primitives ([`Scalars`]): arithmetic on single leaves. Everything made of
-//! them — vectors, matrices, geometric and packing functions — is written once, in [`composite`], over
+//! them — vectors, matrices, geometric and packing functions — is written once, in `composite`, over
 //! that trait. So all executors perform the same primitives in the same order, and their results are
 //! equal bit for bit by construction; only the primitives and control flow need comparing.
 //!

@@ -56,7 +56,7 @@ pub struct Emit<'f> {
     pub b: FunctionBuilder<'f>,
     /// Whether there are instructions that round vectors.
     pub rounds: bool,
-    /// Imported host function of [`Native`] functions and the slot for its operands.
+    /// Imported host function of [`Native`](crate::semantics::Native) functions and the slot for its operands.
     pub native: Option<(ir::FuncRef, ir::StackSlot)>,
     /// Whether it is called.
     pub native_used: bool,
