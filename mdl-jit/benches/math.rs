@@ -29,7 +29,7 @@ fn points((low, high): (f32, f32), salt: u32, moderate: bool) -> Vec<f32> {
         let even = f64::from(low) + (f64::from(high) - f64::from(low)) * t;
         let size = f64::from(low.abs().max(high.abs()));
         let sign = if low < 0.0 && i % 4 == 1 { -1.0 } else { 1.0 };
-        let x = if i % 2 == 0 { even } else { sign * size * 2f64.powf(-40.0 * t) };
+        let x = if i.is_multiple_of(2) { even } else { sign * size * 2f64.powf(-40.0 * t) };
         (x as f32).clamp(low, high)
     };
     (0..POINTS as u32).map(point).collect()

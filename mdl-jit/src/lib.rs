@@ -31,6 +31,7 @@
 //! ```
 
 pub mod batch;
+pub mod cache;
 pub mod cranelift;
 pub mod emit;
 pub mod error;
@@ -46,6 +47,7 @@ pub mod texture;
 pub mod types;
 
 pub use batch::{ArgMode, Argument, Batch, Buffer, Input, Mode, Output, Signature};
+pub use cache::{KernelCache, TieredKernel};
 pub use cranelift::Kernel;
 pub use emit::{EmitTarget, emit};
 pub use error::{CompileError, Error, Fault, Unsupported};

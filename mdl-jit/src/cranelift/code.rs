@@ -180,13 +180,20 @@ extern "C" fn call_host(
     status[0] = u32::from(catch_unwind(AssertUnwindSafe(|| function.call(&mut call))).is_err());
 }
 
-/// Called by generated code: native function `number` of the first lanes of the rows, in place.
+/// Called by generated code: native function `number` of the first lanes of the rows, in place; without
+/// lanes, of one double in each row.
 extern "C" fn call_native(number: u32, lanes: u32, rows: *mut [u32; 4]) {
     let fun = Native::ALL[number as usize];
     // SAFETY: generated code passes a stack slot of two rows.
     #[allow(unsafe_code, reason = "the argument is an address in generated code")]
     let rows = unsafe { &mut *rows.cast::<[[u32; 4]; 2]>() };
     let [first, second] = rows;
+    if lanes == 0 {
+        let long = |row: &[u32; 4]| u64::from(row[0]) | (u64::from(row[1]) << 32);
+        let result = fun.f64(long(first), long(second));
+        (first[0], first[1]) = (result as u32, (result >> 32) as u32);
+        return;
+    }
     for (a, &mut b) in first.iter_mut().zip(second).take(lanes as usize) {
         *a = fun.f32(u64::from(*a), u64::from(b)) as u32;
     }

@@ -7,6 +7,9 @@
 //!
 //! Does not: control flow, memory, calls. Would break if: an executor contracted or reordered floats.
 //!
+//! A new primitive is a variant here and an arm in `interp/real.rs` and `cranelift/emit`; a new composite
+//! is an arm in `composite`. A new function of the math library touches nothing here: it is IR.
+//!
 //! # The table of edges
 //!
 //! Every executor on the CPU obeys it exactly (the tests run each row on all of them); a GPU obeys the

@@ -12,11 +12,12 @@
 use std::marker::PhantomData;
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
+use cranelift_codegen::ir::immediates::{Ieee32, Ieee64};
 use cranelift_codegen::ir::{self, Endianness, InstBuilder, MemFlagsData, Type, Value, types};
 use cranelift_frontend::FunctionBuilder;
 
 use crate::interp::Words;
-use crate::semantics::{Binary, Unary};
+use crate::semantics::{Binary, Scalars, Unary};
 use crate::types::Kind;
 
 mod convert;
@@ -25,8 +26,8 @@ mod scalars;
 /// Where a leaf is.
 #[derive(Clone, Copy, Debug)]
 pub enum Data {
-    /// Known while compiling.
-    Known(u32),
+    /// Known while compiling: the bits, zero-extended.
+    Known(u64),
     /// One for all lanes.
     Uniform(Value),
     /// One per lane.
@@ -46,7 +47,7 @@ impl V {
     }
 
     /// The constant that it is known to be.
-    pub fn known(self) -> Option<u32> {
+    pub fn known(self) -> Option<u64> {
         if let Data::Known(bits) = self.data { Some(bits) } else { None }
     }
 }
@@ -65,14 +66,17 @@ pub struct Emit<'f> {
 /// The type of a scalar of this kind.
 pub fn scalar_type(kind: Kind) -> Type {
     match kind {
-        Kind::F32 => types::F32,
         Kind::Bool => types::I8,
-        _ => types::I32,
+        Kind::I32 | Kind::U32 => types::I32,
+        Kind::F32 => types::F32,
+        Kind::I64 | Kind::U64 => types::I64,
+        Kind::F64 => types::F64,
     }
 }
 
-/// The type of four lanes of this kind.
+/// The type of four lanes of this kind. There are no lanes of 64 bits.
 pub fn lanes_type(kind: Kind) -> Type {
+    debug_assert!(!kind.is_wide());
     if kind == Kind::F32 { types::F32X4 } else { types::I32X4 }
 }
 
@@ -91,8 +95,8 @@ pub fn fixed_memory() -> MemFlagsData {
 }
 
 impl Emit<'_> {
-    pub fn known(kind: Kind, bits: u32) -> V {
-        V { kind, data: Data::Known(bits) }
+    pub fn known(kind: Kind, bits: impl Into<u64>) -> V {
+        V { kind, data: Data::Known(bits.into()) }
     }
 
     pub fn uniform_leaf(kind: Kind, value: Value) -> V {
@@ -117,9 +121,9 @@ impl Emit<'_> {
         match v.data {
             Data::Uniform(x) => x,
             Data::Known(bits) => match v.kind {
-                Kind::F32 => self.b.ins().f32const(ir::immediates::Ieee32::with_bits(bits)),
-                Kind::Bool => self.b.ins().iconst(types::I8, i64::from(bits)),
-                _ => self.int_const(bits),
+                Kind::F32 => self.b.ins().f32const(Ieee32::with_bits(bits as u32)),
+                Kind::F64 => self.b.ins().f64const(Ieee64::with_bits(bits)),
+                kind => self.b.ins().iconst(scalar_type(kind), bits as i64),
             },
             Data::Varying(_) => unreachable!("a varying leaf has no scalar"),
         }
@@ -136,6 +140,7 @@ impl Emit<'_> {
         match v.data {
             Data::Varying(x) => x,
             Data::Known(bits) => {
+                let bits = bits as u32;
                 let bits = if v.kind == Kind::Bool { 0u32.wrapping_sub(bits) } else { bits };
                 self.vector_const(lanes_type(v.kind), bits)
             }
@@ -210,7 +215,7 @@ impl Emit<'_> {
         self.b.ins().fcmp(cc, x, y)
     }
 
-    fn float_binary(&mut self, op: Binary, varying: bool, x: Value, y: Value) -> V {
+    fn float_binary(&mut self, op: Binary, kind: Kind, varying: bool, x: Value, y: Value) -> V {
         let b = &mut self.b;
         let value = match op {
             Binary::Add => b.ins().fadd(x, y),
@@ -227,7 +232,7 @@ impl Emit<'_> {
                 return self.leaf(Kind::Bool, varying, c);
             }
         };
-        self.leaf(Kind::F32, varying, value)
+        self.leaf(kind, varying, value)
     }
 
     fn int_compare(&mut self, op: Binary, signed: bool, x: Value, y: Value) -> Value {
@@ -248,14 +253,16 @@ impl Emit<'_> {
     }
 
     /// Division of scalars with a divisor that cannot trap.
-    fn divide(&mut self, op: Binary, signed: bool, x: Value, y: Value, known: Option<u32>) -> Value {
+    fn divide(&mut self, op: Binary, signed: bool, x: Value, y: Value, known: Option<u64>) -> Value {
+        let ty = self.b.func.dfg.value_type(x);
+        let (ones, least) = (u64::MAX >> (64 - ty.bits()), i64::MIN >> (64 - ty.bits()));
         let safe = match known {
-            Some(d) if d != 0 && d != u32::MAX => y,
+            Some(d) if d != 0 && d != ones => y,
             _ => {
-                let one = self.int_const(1);
+                let one = self.b.ins().iconst(ty, 1);
                 let mut bad = self.b.ins().icmp_imm_s(IntCC::Equal, y, 0);
                 if signed {
-                    let least = self.b.ins().icmp_imm_s(IntCC::Equal, x, i64::from(i32::MIN));
+                    let least = self.b.ins().icmp_imm_s(IntCC::Equal, x, least);
                     let minus = self.b.ins().icmp_imm_s(IntCC::Equal, y, -1);
                     let overflow = self.b.ins().band(least, minus);
                     bad = self.b.ins().bor(bad, overflow);
@@ -342,13 +349,13 @@ impl Emit<'_> {
         if varying { self.b.ins().bnot(x) } else { self.b.ins().bxor_imm_u(x, 1) }
     }
 
-    fn float_unary(&mut self, op: Unary, varying: bool, x: Value) -> Value {
+    fn float_unary(&mut self, op: Unary, kind: Kind, varying: bool, x: Value) -> Value {
         let b = &mut self.b;
         match op {
             Unary::Neg => b.ins().fneg(x),
             Unary::Abs => b.ins().fabs(x),
             Unary::Sqrt => b.ins().sqrt(x),
-            _ if !self.rounds => self.round_by_hand(op, varying, x),
+            _ if !self.rounds => self.round_by_hand(op, kind, varying, x),
             Unary::Floor => b.ins().floor(x),
             Unary::Ceil => b.ins().ceil(x),
             Unary::Trunc => b.ins().trunc(x),
@@ -356,8 +363,8 @@ impl Emit<'_> {
         }
     }
 
-    fn float_const(&mut self, varying: bool, x: f32) -> Value {
-        let v = Self::known(Kind::F32, x.to_bits());
+    fn float_const(&mut self, kind: Kind, varying: bool, x: f64) -> Value {
+        let v = self.float(kind, x);
         self.operand(v, varying)
     }
 
@@ -365,9 +372,11 @@ impl Emit<'_> {
         if varying {
             return self.blend(c, t, f);
         }
-        let (t, f) = (self.cast(types::I32, t), self.cast(types::I32, f));
+        let floats = self.b.func.dfg.value_type(t);
+        let ints = floats.as_int();
+        let (t, f) = (self.cast(ints, t), self.cast(ints, f));
         let r = self.b.ins().select(c, t, f);
-        self.cast(types::F32, r)
+        self.cast(floats, r)
     }
 
     fn int_unary(&mut self, op: Unary, kind: Kind, varying: bool, x: Value) -> Value {
@@ -388,6 +397,6 @@ impl Emit<'_> {
 
     /// Folds an operation on constants with the interpreter's own primitives.
     fn fold(result: Kind, f: impl FnOnce(&mut Words<f32>) -> u64) -> V {
-        Self::known(result, f(&mut Words(PhantomData)) as u32)
+        Self::known(result, f(&mut Words(PhantomData)))
     }
 }

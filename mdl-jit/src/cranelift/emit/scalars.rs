@@ -2,7 +2,7 @@
 
 use cranelift_codegen::ir::{InstBuilder, types};
 
-use super::{Emit, V, lanes_type, memory, scalar_type};
+use super::{Emit, V, memory};
 use crate::semantics::{Binary, Native, Scalars, Unary};
 use crate::types::Kind;
 
@@ -14,17 +14,17 @@ impl Scalars for Emit<'_> {
     type V = V;
 
     fn constant(&mut self, kind: Kind, bits: u64) -> V {
-        Self::known(kind, bits as u32)
+        Self::known(kind, bits)
     }
 
     fn unary(&mut self, op: Unary, kind: Kind, a: V) -> V {
         if let Some(x) = a.known() {
-            return Self::fold(kind, |w| w.unary(op, kind, u64::from(x)));
+            return Self::fold(kind, |w| w.unary(op, kind, x));
         }
         let varying = a.is_varying();
         let x = self.operand(a, varying);
         let value = match kind {
-            Kind::F32 => self.float_unary(op, varying, x),
+            Kind::F32 | Kind::F64 => self.float_unary(op, kind, varying, x),
             Kind::Bool => self.not(varying, x),
             _ => self.int_unary(op, kind, varying, x),
         };
@@ -34,17 +34,17 @@ impl Scalars for Emit<'_> {
     fn binary(&mut self, op: Binary, kind: Kind, a: V, c: V) -> V {
         if let (Some(x), Some(y)) = (a.known(), c.known()) {
             let result = if compares(op) { Kind::Bool } else { kind };
-            return Self::fold(result, |w| w.binary(op, kind, u64::from(x), u64::from(y)));
+            return Self::fold(result, |w| w.binary(op, kind, x, y));
         }
         let varying = a.is_varying() || c.is_varying();
-        if !matches!(kind, Kind::F32 | Kind::Bool) {
+        if !kind.is_float() && kind != Kind::Bool {
             return self.int_binary(op, kind, a, c);
         }
         let (x, y) = (self.operand(a, varying), self.operand(c, varying));
-        if kind == Kind::F32 {
-            self.float_binary(op, varying, x, y)
-        } else {
+        if kind == Kind::Bool {
             self.bool_binary(op, varying, x, y)
+        } else {
+            self.float_binary(op, kind, varying, x, y)
         }
     }
 
@@ -58,14 +58,13 @@ impl Scalars for Emit<'_> {
             return self.leaf(kind, true, value);
         }
         let (c, t, f) = (self.scalar(c), self.scalar(t), self.scalar(f));
-        let value =
-            if kind == Kind::F32 { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
+        let value = if kind.is_float() { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
         self.leaf(kind, false, value)
     }
 
     fn convert(&mut self, from: Kind, to: Kind, a: V) -> V {
         if let Some(x) = a.known() {
-            return Self::fold(to, |w| w.convert(from, to, u64::from(x)));
+            return Self::fold(to, |w| w.convert(from, to, x));
         }
         let varying = a.is_varying();
         let x = self.operand(a, varying);
@@ -79,29 +78,29 @@ impl Scalars for Emit<'_> {
         }
         let varying = a.is_varying();
         let x = self.operand(a, varying);
-        let value = self.cast(if varying { lanes_type(to) } else { scalar_type(to) }, x);
+        let value = self.cast(Self::type_of(to, varying), x);
         self.leaf(to, varying, value)
     }
 
-    fn native(&mut self, fun: Native, _: Kind, args: &[V]) -> V {
+    fn native(&mut self, fun: Native, kind: Kind, args: &[V]) -> V {
         let result = match fun {
             Native::FrexpExponent => Kind::I32,
             Native::ToHalf => Kind::U32,
-            _ => Kind::F32,
+            _ => kind,
         };
         if let [Some(a), b] = [args[0].known(), args.get(1).map_or(Some(0), |b| b.known())]
             && let Some(b) = b
         {
-            return Self::known(result, fun.f32(u64::from(a), u64::from(b)) as u32);
+            return Self::known(result, if kind == Kind::F64 { fun.f64(a, b) } else { fun.f32(a, b) });
         }
         let varying = args.iter().any(|a| a.is_varying());
-        self.call_native(fun, result, varying, args)
+        self.call_native(fun, kind, result, varying, args)
     }
 }
 
 impl Emit<'_> {
     /// Writes the operands to a slot, lets the host replace the first by the result, reads that.
-    fn call_native(&mut self, fun: Native, result: Kind, varying: bool, args: &[V]) -> V {
+    fn call_native(&mut self, fun: Native, kind: Kind, result: Kind, varying: bool, args: &[V]) -> V {
         let (callee, slot) = self.native.expect("the host function is imported");
         self.native_used = true;
         let address = self.b.ins().stack_addr(types::I64, slot, 0);
@@ -111,9 +110,14 @@ impl Emit<'_> {
         }
         let number = Native::ALL.iter().position(|&n| n == fun).expect("all functions are listed");
         let number = self.int_const(number as u32);
-        let lanes = self.int_const(if varying { 4 } else { 1 });
+        // No lanes stand for one double.
+        let lanes = self.int_const(match kind {
+            Kind::F64 => 0,
+            _ if varying => 4,
+            _ => 1,
+        });
         self.b.ins().call(callee, &[number, lanes, address]);
-        let ty = if varying { lanes_type(result) } else { scalar_type(result) };
+        let ty = Self::type_of(result, varying);
         let value = self.b.ins().load(ty, memory(), address, 0);
         self.leaf(result, varying, value)
     }

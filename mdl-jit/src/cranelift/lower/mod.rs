@@ -19,7 +19,8 @@
 //! follows stays uniform and unmasked.
 //!
 //! Relies on: the module is validated. Does not: simplify expressions (Cranelift does), store to
-//! buffers, 64-bit kinds. Would break if: naga let a value be used outside the block that emits it.
+//! buffers, put 64-bit kinds into lanes (code with them computes one point at a time). Would break if:
+//! naga let a value be used outside the block that emits it.
 //! Cost: 60 to 150 µs a round for functions of some hundred expressions, less than code generation.
 
 mod expr;
@@ -265,7 +266,7 @@ impl<'a> Lower<'a, '_> {
         }
         for leaf in 0..self.vars[var].kinds.len() {
             let kind = self.vars[var].kinds[leaf];
-            let v = Emit::known(kind, init.map_or(0, |bits| bits[leaf] as u32));
+            let v = Emit::known(kind, init.map_or(0, |bits| bits[leaf]));
             self.put(var, leaf as u32, v);
         }
     }

@@ -73,14 +73,14 @@ impl Lower<'_, '_> {
             None => {
                 // The host pads a short buffer to one element of zeros.
                 let count = self.runtime_length(place, parts.bytes);
-                let one = Emit::known(Kind::U32, 1);
+                let one = Emit::known(Kind::U32, 1u32);
                 let some = self.e.binary(Binary::Max, Kind::U32, count, one);
                 self.e.binary(Binary::Sub, Kind::U32, some, one)
             }
         };
         let i = self.e.binary(Binary::Min, Kind::U32, wanted, last);
         if let Some(i) = i.known() {
-            return Ok(Place { at: place.at + i * unit, ..place });
+            return Ok(Place { at: place.at + i as u32 * unit, ..place });
         }
         let scaled = self.times(i, unit);
         let max = parts.count.map_or(u32::MAX, |n| (n - 1).saturating_mul(unit));

@@ -12,7 +12,7 @@ use crate::types::Kind;
 impl Lower<'_, '_> {
     /// The number of elements of `stride` bytes from a place in a buffer to its end.
     pub fn runtime_length(&mut self, place: Place, stride: u32) -> V {
-        let Root::Buffer(b) = place.root else { return Emit::known(Kind::U32, 0) };
+        let Root::Buffer(b) = place.root else { return Emit::known(Kind::U32, 0u32) };
         let bytes = self.context_word(self.abi.buffers + 2 * b + 1);
         let bytes = self.e.b.ins().ireduce(types::I32, bytes);
         let bytes = Emit::uniform_leaf(Kind::U32, bytes);
@@ -90,6 +90,7 @@ impl Lower<'_, '_> {
     /// A word at `base` + `at`, plus a computed offset shifted left.
     pub fn load_words(&mut self, base: Value, at: i64, step: Option<(V, i64)>, kind: Kind) -> V {
         let base = self.e.b.ins().iadd_imm_s(base, at);
+        let loaded = if kind.is_wide() { kind } else { Kind::U32 };
         let scaled = |l: &mut Self, step: Value, shift: i64| {
             let step = l.e.b.ins().uextend(types::I64, step);
             let bytes = l.e.b.ins().ishl_imm_u(step, shift);
@@ -102,12 +103,12 @@ impl Lower<'_, '_> {
             Some((step, shift)) => {
                 let step = self.e.scalar(step);
                 let address = scaled(self, step, shift);
-                let value = self.e.b.ins().load(types::I32, fixed_memory(), address, 0);
-                Emit::uniform_leaf(Kind::U32, value)
+                let value = self.e.b.ins().load(scalar_type(loaded), fixed_memory(), address, 0);
+                Emit::uniform_leaf(loaded, value)
             }
             None => {
-                let value = self.e.b.ins().load(types::I32, fixed_memory(), base, 0);
-                Emit::uniform_leaf(Kind::U32, value)
+                let value = self.e.b.ins().load(scalar_type(loaded), fixed_memory(), base, 0);
+                Emit::uniform_leaf(loaded, value)
             }
         };
         self.leaf_of_words(v, kind)
