@@ -1,1 +1,19 @@
-//! TODO
+//! Lacquer: a compiler for MDL materials and a physically based renderer around it.
+//!
+//! This crate is what programs embed. A [`Session`] knows where modules lie and checks them; a
+//! [`Module`] exports materials and functions; a [`Material`] is compiled, its arguments can be edited, its
+//! BSDF evaluated at a point ([`Material::at`]), and it can be rendered.
+
+pub mod error;
+pub mod function;
+pub mod loader;
+pub mod material;
+pub mod probe;
+pub mod session;
+
+pub use error::Error;
+pub use function::Function;
+pub use material::Material;
+pub use mdl_frontend::value::Value;
+pub use probe::{Evaluation, Probe, Sample, SurfacePoint};
+pub use session::{Module, Session};

@@ -1,7 +1,10 @@
-//! Executors of naga IR: an interpreter, SPMD lanes on the CPU, and the GPU.
+//! From graphs of MDL values to code, and the executors of that code.
+//!
+//! [`mdl`] lowers a graph to naga IR and to layer programs; [`material`] is the result as a renderer
+//! sees it, [`state`] what it asks of a shading point.
 //!
 //! Everything that runs per shading point is a function of a validated naga module. The [`interp`]reter
-//! says what it means, in `f32` and in `f64`; [`cranelift`] compiles it for batches of points; [`gpu`]
+//! says what it means, in `f32` and in `f64`; [`cranelift`] compiles it for batches of points; the GPU
 //! runs it as a compute kernel. All take the same [`Batch`], and [`semantics`] has the table of edge
 //! cases that they agree on.
 //!
@@ -40,9 +43,12 @@ pub mod externs;
 pub mod gpu;
 pub mod interp;
 pub mod link;
+pub mod material;
+pub mod mdl;
 pub mod options;
 pub mod plan;
 pub mod semantics;
+pub mod state;
 pub mod texture;
 pub mod types;
 

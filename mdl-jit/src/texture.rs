@@ -254,6 +254,53 @@ impl Textures for TextureTable {
     }
 }
 
+/// No textures: every lookup gives zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoTextures;
+
+impl Textures for NoTextures {
+    fn size_2d(&self, _: u32) -> [u32; 2] {
+        [0; 2]
+    }
+
+    fn texel_2d(&self, _: u32, _: [i32; 2]) -> [f32; 4] {
+        [0.0; 4]
+    }
+
+    fn lookup_2d(&self, _: &Lookup) -> [f32; 4] {
+        [0.0; 4]
+    }
+}
+
+/// Textures under other numbers, such as those that one material uses.
+#[derive(Clone, Copy)]
+pub struct Renumbered<'a> {
+    /// The textures.
+    pub textures: &'a dyn Textures,
+    /// The number in `textures` of each number here.
+    pub numbers: &'a [u32],
+}
+
+impl Renumbered<'_> {
+    fn number(&self, texture: u32) -> u32 {
+        self.numbers.get(texture as usize).copied().unwrap_or(u32::MAX)
+    }
+}
+
+impl Textures for Renumbered<'_> {
+    fn size_2d(&self, texture: u32) -> [u32; 2] {
+        self.textures.size_2d(self.number(texture))
+    }
+
+    fn texel_2d(&self, texture: u32, coord: [i32; 2]) -> [f32; 4] {
+        self.textures.texel_2d(self.number(texture), coord)
+    }
+
+    fn lookup_2d(&self, lookup: &Lookup) -> [f32; 4] {
+        self.textures.lookup_2d(&Lookup { texture: self.number(lookup.texture), ..*lookup })
+    }
+}
+
 /// The stub functions of [`STUBS`](crate::externs::STUBS), answered by textures.
 pub struct TextureFunctions<'a> {
     lookup: LookupFunction<'a>,

@@ -1,0 +1,1520 @@
+const PI: f32 = 3.1415927;
+const FRAC_1_PI: f32 = 0.31830987;
+
+struct Frame {
+    x: vec3f,
+    y: vec3f,
+    z: vec3f
+}
+
+fn normalize_or(v: vec3f, fallback: vec3f) -> vec3f {
+    let d = dot(v, v);
+    if ((d > 1e-37) && (d < 1e37)) {
+        return (v * (1.0 / sqrt(d)));
+    }
+    return fallback;
+}
+
+fn frame_from_normal(n: vec3f) -> Frame {
+    let s = select(-1.0, 1.0, (n.z >= 0.0));
+    let a = (-1.0 / (s + n.z));
+    let b = ((n.x * n.y) * a);
+    return Frame(vec3f((1.0 + (((s * n.x) * n.x) * a)), (s * b), (-s * n.x)), vec3f(b, (s + ((n.y * n.y) * a)), -n.y), n);
+}
+
+fn frame_from_normal_tangent(n: vec3f, tangent: vec3f) -> Frame {
+    let other = frame_from_normal(n);
+    let x = normalize_or((tangent - (n * dot(n, tangent))), other.x);
+    return Frame(x, cross(n, x), n);
+}
+
+fn frame_to_local(f: Frame, v: vec3f) -> vec3f {
+    return vec3f(dot(f.x, v), dot(f.y, v), dot(f.z, v));
+}
+
+fn frame_from_local(f: Frame, v: vec3f) -> vec3f {
+    return (((f.x * v.x) + (f.y * v.y)) + (f.z * v.z));
+}
+
+fn unit(x: f32) -> f32 {
+    return select(0.0, min(x, 1.0), (x > 0.0));
+}
+
+fn unit3(v: vec3f) -> vec3f {
+    return vec3f(unit(v.x), unit(v.y), unit(v.z));
+}
+
+fn nonnegative(x: f32) -> f32 {
+    return select(0.0, min(x, 3.4028234e38), (x > 0.0));
+}
+
+fn max3(v: vec3f) -> f32 {
+    return max(v.x, max(v.y, v.z));
+}
+
+fn mean3(v: vec3f) -> f32 {
+    return (((v.x + v.y) + v.z) * (1.0 / 3.0));
+}
+
+fn splat3(x: f32) -> vec3f {
+    return vec3f(x, x, x);
+}
+const MATH_ROUND: f32 = 12582912.0;
+const MATH_ROUND_BITS: u32 = 1262485504u;
+const MATH_TWO_OVER_PI: f32 = 0.63661975;
+const MATH_HALF_PI: f32 = 1.5707964;
+const MATH_HALF_PI_REST: f32 = -4.371139e-8;
+
+struct MathTurn {
+    rest: f32,
+    quarter: u32
+}
+
+fn math_from_bits(u: u32) -> f32 {
+    return bitcast<f32>(u);
+}
+
+fn math_reduce_large(a: f32) -> MathTurn {
+    let bits = bitcast<u32>(a);
+    let mantissa = ((bits & 8388607u) | 8388608u);
+    let first = ((bits >> 23u) - 120u);
+    let word = (first >> 5u);
+    let shift = (first & 31u);
+    let w0 = math_two_over_pi_word(word);
+    let w1 = math_two_over_pi_word((word + 1u));
+    let w2 = math_two_over_pi_word((word + 2u));
+    let high = ((w0 << shift) | ((w1 >> 1u) >> (31u - shift)));
+    let low = ((w1 << shift) | ((w2 >> 1u) >> (31u - shift)));
+    let turns = ((((mantissa * high) + ((mantissa * (low >> 24u)) >> 8u)) + ((mantissa * ((low >> 16u) & 255u)) >> 16u)) + ((mantissa * ((low >> 8u) & 255u)) >> 24u));
+    let fraction = bitcast<i32>((turns << 2u));
+    return MathTurn(((f32(fraction) * 3.6572953e-10) + (a - a)), ((turns + 536870912u) >> 30u));
+}
+
+fn math_two_over_pi_word(i: u32) -> u32 {
+    let w01 = select(0u, 2734261102u, (i == 1u));
+    let w23 = select(1313084713u, 4230436817u, (i == 3u));
+    let w45 = select(4113882560u, 3680671129u, (i == 5u));
+    let w03 = select(w01, w23, (i > 1u));
+    let w05 = select(w03, w45, (i > 3u));
+    return select(w05, 1011060801u, (i > 5u));
+}
+
+fn math_reduce(a: f32) -> MathTurn {
+    let quarter = (bitcast<u32>(((a * MATH_TWO_OVER_PI) + MATH_ROUND)) - MATH_ROUND_BITS);
+    let n = f32(bitcast<i32>(quarter));
+    let rest = ((((a - (n * 1.5703125)) - (n * 0.00045776367)) - (n * 2.5987625e-5)) - (n * 7.54979e-8));
+    var turn: MathTurn = MathTurn(rest, quarter);
+    if (a > 100000.0) {
+        turn = math_reduce_large(a);
+    }
+    return turn;
+}
+
+fn math_sincos(x: f32) -> vec2f {
+    let turn = math_reduce(abs(x));
+    let r = turn.rest;
+    let z = (r * r);
+    let s = (r + (r * (z * (-0.16666655 + (z * (0.008332189 - (z * 0.00019518286)))))));
+    let c = ((1.0 - (0.5 * z)) + (z * (z * (0.041666646 + (z * (-0.0013887314 + (z * 2.4433171e-5)))))));
+    let swap = ((turn.quarter & 1u) != 0u);
+    let sin_sign = ((bitcast<u32>(x) & 2147483648u) ^ ((turn.quarter & 2u) << 30u));
+    let cos_sign = (((turn.quarter + 1u) & 2u) << 30u);
+    return vec2f(bitcast<f32>((bitcast<u32>(select(s, c, swap)) ^ sin_sign)), bitcast<f32>((bitcast<u32>(select(c, s, swap)) ^ cos_sign)));
+}
+
+fn math_sin(x: f32) -> f32 {
+    return math_sincos(x).x;
+}
+
+fn math_cos(x: f32) -> f32 {
+    return math_sincos(x).y;
+}
+
+fn math_tan(x: f32) -> f32 {
+    let t = math_sincos(x);
+    return (t.x / t.y);
+}
+
+fn math_copysign(x: f32, s: f32) -> f32 {
+    return bitcast<f32>(((bitcast<u32>(x) & 2147483647u) | (bitcast<u32>(s) & 2147483648u)));
+}
+
+fn math_asin_core(s: f32, z: f32) -> f32 {
+    let p = (0.16666752 + (z * (0.0749531 + (z * (0.04546902 + (z * (0.024185503 + (z * 0.042157013))))))));
+    return (s + (s * (z * p)));
+}
+
+fn math_asin(x: f32) -> f32 {
+    let a = abs(x);
+    let outer = (a > 0.5);
+    let z = select((a * a), ((1.0 - a) * 0.5), outer);
+    let p = math_asin_core(select(a, sqrt(z), outer), z);
+    return math_copysign(select(p, (MATH_HALF_PI - ((2.0 * p) - MATH_HALF_PI_REST)), outer), x);
+}
+
+fn math_acos(x: f32) -> f32 {
+    let a = abs(x);
+    let outer = (a > 0.5);
+    let z = select((a * a), ((1.0 - a) * 0.5), outer);
+    let p = math_asin_core(select(a, sqrt(z), outer), z);
+    let signed = math_copysign(p, x);
+    let inner = (MATH_HALF_PI - (signed - MATH_HALF_PI_REST));
+    let left = ((2.0 * MATH_HALF_PI) - ((2.0 * p) - (2.0 * MATH_HALF_PI_REST)));
+    let tail = select((2.0 * p), left, (x < 0.0));
+    return select(inner, tail, outer);
+}
+
+fn math_atan_core(t: f32) -> f32 {
+    let z = (t * t);
+    let p = (0.04320876 + (z * (-0.016366003 + (z * 0.0029202034))));
+    let q = (0.19993769 + (z * (-0.14211023 + (z * (0.1066588 + (z * (-0.07551952 + (z * p))))))));
+    return (t + (t * (z * (-0.33333153 + (z * q)))));
+}
+
+fn math_atan(x: f32) -> f32 {
+    let a = abs(x);
+    let outer = (a > 1.0);
+    let r = math_atan_core(select(a, (1.0 / a), outer));
+    return math_copysign(select(r, (MATH_HALF_PI - (r - MATH_HALF_PI_REST)), outer), x);
+}
+
+fn math_atan2(y: f32, x: f32) -> f32 {
+    let a = abs(x);
+    let b = abs(y);
+    let steep = (b > a);
+    let wide = select(a, b, steep);
+    let narrow = select(b, a, steep);
+    let ratio = select((narrow / wide), narrow, (wide == 0.0));
+    let r = math_atan_core(select(ratio, 1.0, ((narrow == wide) && (wide > 0.0))));
+    let octant = select(r, (MATH_HALF_PI - (r - MATH_HALF_PI_REST)), steep);
+    let left = ((2.0 * MATH_HALF_PI) - (octant - (2.0 * MATH_HALF_PI_REST)));
+    let behind = ((bitcast<u32>(x) & 2147483648u) != 0u);
+    return math_copysign(select(octant, left, behind), y);
+}
+const MATH_LOG2_E: f32 = 1.442695;
+const MATH_LN_2: f32 = 0.69314575;
+const MATH_LN_2_REST: f32 = 1.4286068e-6;
+const MATH_SQRT_HALF_BITS: u32 = 1060439283u;
+const MATH_MIN_NORMAL: f32 = 1.1754944e-38;
+
+fn math_power_of_two(n: i32) -> f32 {
+    return bitcast<f32>(((n + 127i) << 23u));
+}
+
+fn math_scale(p: f32, n: i32) -> f32 {
+    let half = (n >> 1u);
+    return ((p * math_power_of_two(half)) * math_power_of_two((n - half)));
+}
+
+fn math_exp_scaled(x: f32, k: i32) -> f32 {
+    let above = select(x, 90.0, (x > 90.0));
+    let c = select(above, -105.0, (above < -105.0));
+    let n = (bitcast<i32>(((c * MATH_LOG2_E) + MATH_ROUND)) - bitcast<i32>(MATH_ROUND_BITS));
+    let m = f32(n);
+    let r = ((c - (m * MATH_LN_2)) - (m * MATH_LN_2_REST));
+    let q = (0.4999999 + (r * (0.16666521 + (r * (0.041668963 + (r * (0.008368671 + (r * 0.0013782479))))))));
+    return math_scale((1.0 + (r + ((r * r) * q))), (n + k));
+}
+
+fn math_exp(x: f32) -> f32 {
+    return math_exp_scaled(x, 0i);
+}
+
+fn math_exp2_core(r: f32) -> f32 {
+    let q = (0.055503584 + (r * (0.009618829 + (r * (0.0013391473 + (r * 0.00015243396))))));
+    return (1.0 + (r * (0.6931472 + (r * (0.24022645 + (r * q))))));
+}
+
+fn math_exp2(x: f32) -> f32 {
+    let above = select(x, 129.0, (x > 129.0));
+    let c = select(above, -151.0, (above < -151.0));
+    let n = (bitcast<i32>((c + MATH_ROUND)) - bitcast<i32>(MATH_ROUND_BITS));
+    return math_scale(math_exp2_core((c - f32(n))), n);
+}
+
+struct MathSplit {
+    exponent: f32,
+    f: f32
+}
+
+fn math_split(bits: u32) -> MathSplit {
+    let shifted = (bits - MATH_SQRT_HALF_BITS);
+    let m = bitcast<f32>(((shifted & 8388607u) + MATH_SQRT_HALF_BITS));
+    return MathSplit(f32((bitcast<i32>(shifted) >> 23u)), (m - 1.0));
+}
+
+fn math_log1p_core(f: f32) -> f32 {
+    let p = (0.14238907 + (f * (-0.13212356 + (f * (0.1256589 - (f * 0.07286021))))));
+    let q = (0.33333373 + (f * (-0.2500084 + (f * (0.1999899 + (f * (-0.16621207 + (f * p))))))));
+    return ((f * f) * ((f * q) - 0.5));
+}
+
+fn math_log_edges(x: f32, r: f32) -> f32 {
+    let zero = select(r, math_from_bits(4286578688u), (x < MATH_MIN_NORMAL));
+    let negative = select(zero, math_from_bits(2143289344u), (x <= -MATH_MIN_NORMAL));
+    let bits = bitcast<u32>(x);
+    return select(negative, x, (((bits & 2147483647u) >= 2139095040u) && (bits != 4286578688u)));
+}
+
+fn math_log(x: f32) -> f32 {
+    let s = math_split(bitcast<u32>(x));
+    let low = (math_log1p_core(s.f) + (s.exponent * MATH_LN_2_REST));
+    return math_log_edges(x, ((s.exponent * MATH_LN_2) + (s.f + low)));
+}
+
+fn math_log2(x: f32) -> f32 {
+    let s = math_split(bitcast<u32>(x));
+    let low = math_log1p_core(s.f);
+    let rest = ((low + ((low + s.f) * 0.44269505)) + s.f);
+    return math_log_edges(x, (s.exponent + rest));
+}
+
+fn math_log10(x: f32) -> f32 {
+    let s = math_split(bitcast<u32>(x));
+    let ln = (s.f + math_log1p_core(s.f));
+    let low = ((s.exponent * 4.605039e-6) + (ln * 0.4342945));
+    return math_log_edges(x, ((s.exponent * 0.3010254) + low));
+}
+
+fn math_log1p(u: f32) -> f32 {
+    return select(math_log((1.0 + u)), (u + math_log1p_core(u)), ((u > -0.29) && (u < 0.41)));
+}
+
+fn math_head(x: f32) -> f32 {
+    return bitcast<f32>((bitcast<u32>(x) & 4294963200u));
+}
+
+fn math_log2_pair(bits: u32) -> vec2f {
+    let s = math_split(bits);
+    let m = (1.0 + s.f);
+    let mh = math_head(m);
+    let inverse = (1.0 / (m + 1.0));
+    let zh = bitcast<f32>((bitcast<u32>((s.f * inverse)) & 4294959104u));
+    let zl = (((s.f - (zh * (mh + 1.0))) - (zh * (m - mh))) * inverse);
+    let z = (zh + zl);
+    let w = (z * z);
+    let p = (0.3333333 + (w * (0.20000423 + (w * (0.14255202 + (w * 0.12011814))))));
+    let high = (zh * 2.8847656);
+    let low = ((zl * 2.8847656) + ((z * 0.0006244568) + ((z * 2.88539) * (w * p))));
+    let head = math_head((s.exponent + (high + low)));
+    return vec2f(head, (((s.exponent - head) + high) + low));
+}
+
+fn math_pow(x: f32, y: f32) -> f32 {
+    let a = abs(x);
+    let bits = bitcast<u32>(a);
+    let pair = math_log2_pair(bits);
+    let one = ((a == 1.0) || (y == 0.0));
+    let finite = select((pair.x + pair.y), math_from_bits(4286578688u), (a < MATH_MIN_NORMAL));
+    let log = select(select(finite, a, (bits >= 2139095040u)), 0.0, one);
+    let e = select(y, 0.0, one);
+    let t = (e * log);
+    let above = select(t, 200.0, (t > 200.0));
+    let c = select(above, -200.0, (above < -200.0));
+    let n = (bitcast<i32>((c + MATH_ROUND)) - bitcast<i32>(MATH_ROUND_BITS));
+    let eh = math_head(e);
+    let f = (((eh * pair.x) - f32(n)) + ((eh * pair.y) + ((e - eh) * log)));
+    let near = math_scale(math_exp2_core(select(f, 0.0, one)), n);
+    let large = select(near, math_from_bits(2139095040u), (t > 160.0));
+    let small = select(large, 0.0, (t < -160.0));
+    let positive = select(small, t, (t != t));
+    let whole = i32(y);
+    let integer = ((f32(whole) == y) || (abs(y) >= 8388608.0));
+    let odd = ((integer && ((whole & 1i) != 0i)) && (abs(y) < 16777216.0));
+    let sign = select(0u, (bitcast<u32>(x) & 2147483648u), odd);
+    let root = (((x <= -MATH_MIN_NORMAL) && !integer) && (bits < 2139095040u));
+    let signed = bitcast<f32>((bitcast<u32>(positive) ^ sign));
+    return select(signed, math_from_bits(2143289344u), (root && (y != 0.0)));
+}
+
+fn math_rsqrt(x: f32) -> f32 {
+    return (1.0 / sqrt(x));
+}
+fn math_round_half_even(x: f32) -> f32 {
+    let a = abs(x);
+    let k = (bitcast<i32>((a + 8388608.0)) - 1258291200i);
+    return math_copysign(select(a, f32(k), (a < 8388608.0)), x);
+}
+
+fn math_fmod(x: f32, y: f32) -> f32 {
+    let a = abs(x);
+    let b = abs(y);
+    let q = trunc((a / b));
+    let far = (q >= 4194304.0);
+    let qh = math_head(q);
+    let ql = (q - qh);
+    let bh = math_head(b);
+    let bl = (b - bh);
+    let r = ((((a - (qh * bh)) - (ql * bh)) - (qh * bl)) - (ql * bl));
+    let low = select(r, (r + b), (r < 0.0));
+    let high = select(low, (low - b), (low >= b));
+    let bounded = select(high, 0.0, ((far && (b > 0.0)) && (a < math_from_bits(2139095040u))));
+    let kept = select(bounded, a, ((b >= math_from_bits(2139095040u)) && (a < b)));
+    return math_copysign(kept, x);
+}
+
+fn math_cbrt(x: f32) -> f32 {
+    let a = abs(x);
+    let large = (a > 1.0e30);
+    let s = select(a, (a * 9.313226e-10), large);
+    let guess = bitcast<f32>(bitcast<u32>((i32((f32(bitcast<i32>(s)) * 0.33333334)) + 709958130i)));
+    let g = ((guess * guess) * guess);
+    let better = (guess * ((g + (2.0 * s)) / ((2.0 * g) + s)));
+    let c = ((better * better) * better);
+    let root = ((better + (better * ((s - c) / ((2.0 * c) + s)))) * select(1.0, 1024.0, large));
+    let nonzero = select(root, 0.0, (a < MATH_MIN_NORMAL));
+    return math_copysign(select(nonzero, a, (bitcast<u32>(a) >= 2139095040u)), x);
+}
+fn hash_u32(v: u32) -> u32 {
+    let a = ((v ^ (v >> 16u)) * 2146121005u);
+    let b = ((a ^ (a >> 15u)) * 2221713035u);
+    return (b ^ (b >> 16u));
+}
+
+fn hash_combine(seed: u32, v: u32) -> u32 {
+    return hash_u32((v ^ hash_u32((seed + 2654435769u))));
+}
+
+fn hash_pcg(v: u32) -> u32 {
+    let state = ((v * 747796405u) + 2891336453u);
+    let word = (((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u);
+    return ((word >> 22u) ^ word);
+}
+
+fn hash_pcg3(p: vec3u) -> vec3u {
+    let x0 = ((p.x * 1664525u) + 1013904223u);
+    let y0 = ((p.y * 1664525u) + 1013904223u);
+    let z0 = ((p.z * 1664525u) + 1013904223u);
+    let x1 = (x0 + (y0 * z0));
+    let y1 = (y0 + (z0 * x1));
+    let z1 = (z0 + (x1 * y1));
+    let x2 = (x1 ^ (x1 >> 16u));
+    let y2 = (y1 ^ (y1 >> 16u));
+    let z2 = (z1 ^ (z1 >> 16u));
+    let x3 = (x2 + (y2 * z2));
+    let y3 = (y2 + (z2 * x3));
+    return vec3u(x3, y3, (z2 + (x3 * y3)));
+}
+
+fn hash_unit(h: u32) -> f32 {
+    return (f32(bitcast<i32>((h >> 8u))) * 5.9604645e-8);
+}
+fn math_sinh(x: f32) -> f32 {
+    let a = abs(x);
+    let z = (a * a);
+    let p = (0.16666667 + (z * (0.008333315 + (z * (0.00019841666 + (z * 2.789984e-6))))));
+    let half = math_exp_scaled(a, -1i);
+    return math_copysign(select((half - (0.25 / half)), (a + (a * (z * p))), (a < 1.0)), x);
+}
+
+fn math_cosh(x: f32) -> f32 {
+    let half = math_exp_scaled(abs(x), -1i);
+    return (half + (0.25 / half));
+}
+
+fn math_tanh(x: f32) -> f32 {
+    let a = abs(x);
+    let z = (a * a);
+    let p = (0.13331416 + (z * (-0.05373794 + (z * (0.020634118 - (z * 0.005700092))))));
+    let near = (a + (a * (z * (-0.3333328 + (z * p)))));
+    let far = (1.0 - (2.0 / (math_exp((2.0 * a)) + 1.0)));
+    return math_copysign(select(far, near, (a < 0.625)), x);
+}
+
+fn math_asinh(x: f32) -> f32 {
+    let a = abs(x);
+    let z = (a * a);
+    let p = (0.074986435 + (z * (-0.04438358 + (z * (0.028164992 - (z * 0.013231114))))));
+    let near = (a + (a * (z * (-0.16666643 + (z * p)))));
+    let huge = (a > 1048576.0);
+    let far = (math_log(select((a + sqrt((z + 1.0))), a, huge)) + select(0.0, 0.6931472, huge));
+    return math_copysign(select(far, near, (a < 0.5)), x);
+}
+
+fn math_acosh(x: f32) -> f32 {
+    let u = (x - 1.0);
+    let huge = (x > 1048576.0);
+    let w = select((u + sqrt((u * (u + 2.0)))), u, huge);
+    return (math_log1p(w) + select(0.0, 0.6931472, huge));
+}
+
+fn math_atanh(x: f32) -> f32 {
+    let a = abs(x);
+    let z = (a * a);
+    let p = (0.14223826 + (z * (0.11816006 + (z * (0.05161949 + (z * 0.17635684))))));
+    let near = (a + (a * (z * (0.33333302 + (z * (0.20002452 + (z * p)))))));
+    let far = (0.5 * math_log(((1.0 + a) / (1.0 - a))));
+    return math_copysign(select(far, near, (a < 0.5)), x);
+}
+fn fresnel_dielectric(c: f32, eta: f32) -> f32 {
+    let k = ((eta - 1.0) * (eta + 1.0));
+    let g2 = (k + (c * c));
+    if (g2 <= 0.0) {
+        return select(1.0, 0.0, (k == 0.0));
+    }
+    let g = sqrt(g2);
+    let eta2 = (eta * eta);
+    let s = (c + g);
+    let p = ((eta2 * c) + g);
+    let rs = (k / (s * s));
+    let rp = ((k * (((c * c) * (eta2 + 1.0)) - 1.0)) / (p * p));
+    return min((0.5 * ((rs * rs) + (rp * rp))), 1.0);
+}
+
+fn sane_eta(eta: f32) -> f32 {
+    return select(1.0, clamp(eta, 1e-3, 1e3), (eta > 0.0));
+}
+
+fn schlick_weight(c: f32, exponent: f32) -> f32 {
+    let m = unit((1.0 - c));
+    let m2 = (m * m);
+    if (exponent == 5.0) {
+        return ((m2 * m2) * m);
+    }
+    if !(exponent > 0.0) {
+        return 1.0;
+    }
+    return math_pow(m, exponent);
+}
+
+fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
+    let product = (oi - min(((2.0 * no) * ni), 0.0));
+    return sqrt(unit((0.5 + (0.5 * product))));
+}
+const MAX_NODES: u32 = 64u;
+const MAX_PARAMS: u32 = 384u;
+const MAX_STACK: u32 = 6u;
+const OP_MASK: u32 = 255u;
+const OP_BLACK: u32 = 0u;
+const OP_DIFFUSE_REFLECTION: u32 = 1u;
+const OP_DIFFUSE_TRANSMISSION: u32 = 2u;
+const OP_SPECULAR: u32 = 3u;
+const OP_GGX_SMITH: u32 = 4u;
+const OP_TINT: u32 = 16u;
+const OP_SCALE: u32 = 17u;
+const OP_DIRECTIONAL_FACTOR: u32 = 18u;
+const OP_WEIGHTED_LAYER: u32 = 32u;
+const OP_FRESNEL_LAYER: u32 = 33u;
+const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
+const OP_CUSTOM_CURVE_LAYER: u32 = 35u;
+const OP_DIFFUSE_EDF: u32 = 64u;
+const FLAG_VECTOR: u32 = 256u;
+const FLAG_COLOR: u32 = 512u;
+const FLAG_BASE_FIRST: u32 = 1024u;
+const SLOT_TINT: u32 = 0u;
+const SLOT_DIFFUSE_ROUGHNESS: u32 = 3u;
+const SLOT_DIFFUSE_MULTIPLE: u32 = 4u;
+const SLOT_GLOSSY_ALPHA: u32 = 3u;
+const SLOT_GLOSSY_TANGENT: u32 = 5u;
+const SLOT_TINT_TRANSMISSION: u32 = 3u;
+const SLOT_FACTOR_GRAZING: u32 = 3u;
+const SLOT_FACTOR_EXPONENT: u32 = 6u;
+const SLOT_FACTOR_F82: u32 = 7u;
+const SLOT_LAYER_IMPORTANCE: u32 = 0u;
+const SLOT_LAYER_WEIGHT: u32 = 2u;
+const SLOT_LAYER_CURVE: u32 = 5u;
+
+struct Params {
+    v: array<f32, 384>
+}
+
+struct Program {
+    count: u32,
+    nodes: array<vec4u, 64>
+}
+
+fn param(p: ptr<function, Params>, slot: u32) -> f32 {
+    return p.v[u32(slot)];
+}
+
+fn param3(p: ptr<function, Params>, slot: u32) -> vec3f {
+    return vec3f(p.v[u32(slot)], p.v[u32((slot + 1u))], p.v[u32((slot + 2u))]);
+}
+struct ShadingPoint {
+    geometry_normal: vec3f,
+    ior_near: vec3f,
+    ior_far: vec3f,
+    near: f32,
+    far: f32,
+    eta: f32,
+    flags: u32
+}
+const POINT_THIN_WALLED: u32 = 1u;
+const POINT_INSIDE: u32 = 2u;
+
+fn shading_point(geometry_normal: vec3f, ior_near: vec3f, ior_far: vec3f, flags: u32) -> ShadingPoint {
+    let near = mean3(ior_near);
+    let far = mean3(ior_far);
+    return ShadingPoint(geometry_normal, ior_near, ior_far, near, far, sane_eta((far / near)), flags);
+}
+
+fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
+    let inside = ((flags & POINT_INSIDE) != 0u);
+    return sane_eta((select(ior, far, inside) / select(near, ior, inside)));
+}
+
+fn schlick_curve(normal: vec3f, grazing: vec3f, exponent: f32, c: f32) -> vec3f {
+    return unit3((normal + ((grazing - normal) * schlick_weight(c, exponent))));
+}
+
+fn f82_curve(
+    normal: vec3f,
+    grazing: vec3f,
+    f82: vec3f,
+    exponent: f32,
+    c: f32,
+) -> vec3f {
+    let plain = (normal + ((grazing - normal) * schlick_weight(c, exponent)));
+    let at_82 = (normal + ((grazing - normal) * schlick_weight((1.0 / 7.0), exponent)));
+    let m = (1.0 - c);
+    let m2 = (m * m);
+    let bump = ((((17.651384 * c) * m2) * m2) * m2);
+    return unit3((plain - ((at_82 * (splat3(1.0) - unit3(f82))) * bump)));
+}
+
+struct LayerCurve {
+    seen: vec3f,
+    lit: vec3f,
+    half: vec3f,
+    front: vec3f
+}
+
+fn color_coating_eta(ior: vec3f, point: ShadingPoint) -> vec3f {
+    return vec3f(coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags), coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags), coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags));
+}
+
+fn color_fresnel(c: f32, eta: vec3f) -> vec3f {
+    return vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z));
+}
+
+fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
+    let normal = param3(p, slot);
+    let grazing = param3(p, (slot + 3u));
+    let exponent = param(p, (slot + 6u));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        return f82_curve(normal, grazing, param3(p, (slot + 7u)), exponent, c);
+    }
+    return schlick_curve(normal, grazing, exponent, c);
+}
+
+fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    let op = (n.x & OP_MASK);
+    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return (weight * fresnel_dielectric(c, eta));
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        return (weight * color_fresnel(c, color_coating_eta(param3(p, slot), point)));
+    }
+    if (op == OP_CUSTOM_CURVE_LAYER) {
+        return (weight * node_schlick(n, p, slot, c));
+    }
+    return weight;
+}
+
+fn layer_curve(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    seen: f32,
+    lit: f32,
+    half: f32,
+) -> LayerCurve {
+    let op = (n.x & OP_MASK);
+    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        let eta = color_coating_eta(param3(p, slot), point);
+        return LayerCurve((weight * color_fresnel(seen, eta)), (weight * color_fresnel(lit, eta)), (weight * color_fresnel(half, eta)), splat3(0.0));
+    }
+    return LayerCurve((weight * node_schlick(n, p, slot, seen)), (weight * node_schlick(n, p, slot, lit)), (weight * node_schlick(n, p, slot, half)), (weight * unit3(param3(p, slot))));
+}
+
+fn layer_normal_slot(n: vec4u) -> u32 {
+    let op = (n.x & OP_MASK);
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        return (slot + 1u);
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        return (slot + 3u);
+    }
+    if (op == OP_CUSTOM_CURVE_LAYER) {
+        return (slot + select(7u, 10u, ((n.x & FLAG_COLOR) != 0u)));
+    }
+    return slot;
+}
+const EVENT_ABSORB: u32 = 0u;
+const EVENT_DIFFUSE: u32 = 1u;
+const EVENT_GLOSSY: u32 = 2u;
+const EVENT_SPECULAR: u32 = 4u;
+const EVENT_REFLECTION: u32 = 8u;
+const EVENT_TRANSMISSION: u32 = 16u;
+const MODE_REFLECT: u32 = 0u;
+const MODE_TRANSMIT: u32 = 1u;
+const MODE_REFLECT_TRANSMIT: u32 = 2u;
+
+struct LobeValue {
+    f: f32,
+    pdf: f32
+}
+
+struct LobeSample {
+    wi: vec3f,
+    event: u32
+}
+
+fn lobe_absorb() -> LobeSample {
+    return LobeSample(vec3f(0.0, 0.0, 1.0), EVENT_ABSORB);
+}
+
+fn lobe_zero() -> LobeValue {
+    return LobeValue(0.0, 0.0);
+}
+fn sample_concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let wide = (abs(a) > abs(b));
+    let r = select(b, a, wide);
+    let ratio = (select(a, b, wide) / r);
+    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
+    let sc = math_sincos(angle);
+    return vec2f((r * sc.y), (r * sc.x));
+}
+
+fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
+    let d = sample_concentric_disc(u);
+    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
+}
+const FUJII_LOSS: f32 = 0.2877934;
+const FUJII_MEAN: f32 = 0.07248821;
+
+struct DiffuseReflection {
+    roughness: f32,
+    a: f32,
+    b: f32
+}
+
+struct DiffuseValue {
+    single: f32,
+    multiple: f32,
+    pdf: f32
+}
+
+fn diffuse_reflection_new(roughness: f32) -> DiffuseReflection {
+    let r = unit(roughness);
+    let a = (1.0 / (1.0 + (FUJII_LOSS * r)));
+    return DiffuseReflection(r, a, (a * r));
+}
+
+fn diffuse_reflection_eval(lobe: DiffuseReflection, wo: vec3f, wi: vec3f) -> DiffuseValue {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return DiffuseValue(0.0, 0.0, 0.0);
+    }
+    let lambert = (wi.z * FRAC_1_PI);
+    if (lobe.roughness == 0.0) {
+        return DiffuseValue(lambert, 0.0, lambert);
+    }
+    let s = (dot(wo, wi) - (wo.z * wi.z));
+    let t = select(1.0, max(wo.z, wi.z), (s > 0.0));
+    return DiffuseValue(((lobe.a + ((lobe.b * s) / t)) * lambert), ((((lobe.b * fujii_missing(wo.z)) * fujii_missing(wi.z)) / (FUJII_LOSS - FUJII_MEAN)) * lambert), lambert);
+}
+
+fn diffuse_reflection_sample(u: vec2f) -> LobeSample {
+    let wi = sample_cosine_hemisphere(u);
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_DIFFUSE | EVENT_REFLECTION));
+}
+
+fn fujii_missing(mu: f32) -> f32 {
+    let c = unit(mu);
+    let s = sqrt(((1.0 - c) * (1.0 + c)));
+    let theta = math_acos(c);
+    let g = ((s * (theta - (s * c))) + ((2.0 / 3.0) * ((((s * c) * ((1.0 + s) + (s * s))) / (1.0 + s)) - s)));
+    return max((FUJII_LOSS - (g * FRAC_1_PI)), 0.0);
+}
+
+fn diffuse_reflection_albedo(lobe: DiffuseReflection, mu: f32) -> f32 {
+    return (1.0 - (lobe.b * fujii_missing(mu)));
+}
+fn diffuse_transmission_eval(wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((wo.z <= 0.0) || (wi.z >= 0.0)) {
+        return lobe_zero();
+    }
+    let lambert = (-wi.z * FRAC_1_PI);
+    return LobeValue(lambert, lambert);
+}
+
+fn diffuse_transmission_sample(u: vec2f) -> LobeSample {
+    let wi = sample_cosine_hemisphere(u);
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(vec3f(wi.x, wi.y, -wi.z), (EVENT_DIFFUSE | EVENT_TRANSMISSION));
+}
+fn specular_reflectance(mode: u32, c: f32, eta: f32) -> f32 {
+    if (mode == MODE_REFLECT) {
+        return 1.0;
+    }
+    let r = fresnel_dielectric(c, eta);
+    if (mode == MODE_TRANSMIT) {
+        return select(0.0, 1.0, (r >= 1.0));
+    }
+    return r;
+}
+
+fn refract_at(wo: vec3f, wm: vec3f, c: f32, eta: f32) -> vec3f {
+    let inverse = (1.0 / eta);
+    let cos_t = (sqrt(max((((eta - 1.0) * (eta + 1.0)) + (c * c)), 0.0)) * inverse);
+    return ((wm * ((c * inverse) - cos_t)) - (wo * inverse));
+}
+
+fn specular_sample(
+    mode: u32,
+    thin_walled: bool,
+    eta: f32,
+    wo: vec3f,
+    u: f32,
+) -> LobeSample {
+    if (wo.z <= 0.0) {
+        return lobe_absorb();
+    }
+    let thin_transmission = (thin_walled && (mode == MODE_TRANSMIT));
+    let r = select(specular_reflectance(mode, wo.z, eta), 0.0, thin_transmission);
+    if (u < r) {
+        return LobeSample(vec3f(-wo.x, -wo.y, wo.z), (EVENT_SPECULAR | EVENT_REFLECTION));
+    }
+    let straight = vec3f(-wo.x, -wo.y, -wo.z);
+    let bent = refract_at(wo, vec3f(0.0, 0.0, 1.0), wo.z, eta);
+    return LobeSample(select(bent, straight, thin_walled), (EVENT_SPECULAR | EVENT_TRANSMISSION));
+}
+const ALPHA_MIN: f32 = 1e-4;
+const ETA_MATCH: f32 = 1e-4;
+
+struct Ggx {
+    alpha: vec2f,
+    mode: u32,
+    thin_walled: bool,
+    eta: f32
+}
+
+fn sane_alpha(alpha: f32) -> f32 {
+    return select(ALPHA_MIN, min(alpha, 1.0), (alpha > ALPHA_MIN));
+}
+
+fn ggx_new(
+    alpha_x: f32,
+    alpha_y: f32,
+    mode: u32,
+    thin_walled: bool,
+    eta: f32,
+) -> Ggx {
+    return Ggx(vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)), mode, thin_walled, sane_eta(eta));
+}
+
+fn ggx_stretch(alpha: vec2f, w: vec3f) -> f32 {
+    let x = (alpha.x * w.x);
+    let y = (alpha.y * w.y);
+    return sqrt((((w.z * w.z) + (x * x)) + (y * y)));
+}
+
+fn ggx_g1(alpha: vec2f, w: vec3f) -> f32 {
+    let z = abs(w.z);
+    return ((2.0 * z) / (z + ggx_stretch(alpha, w)));
+}
+
+fn ggx_d(alpha: vec2f, h: vec3f, h2: f32) -> f32 {
+    let x = (h.x / alpha.x);
+    let y = (h.y / alpha.y);
+    let k = (h2 / (((x * x) + (y * y)) + (h.z * h.z)));
+    return ((FRAC_1_PI / (alpha.x * alpha.y)) * (k * k));
+}
+
+fn ggx_cap_bound(lobe: Ggx, wo: vec3f) -> f32 {
+    if (lobe.mode != MODE_REFLECT) {
+        return 1.0;
+    }
+    let a = min(lobe.alpha.x, lobe.alpha.y);
+    let s = (1.0 + sqrt(((wo.x * wo.x) + (wo.y * wo.y))));
+    let s2 = (s * s);
+    return (((1.0 - (a * a)) * s2) / (s2 + (((a * a) * wo.z) * wo.z)));
+}
+
+fn ggx_eval(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((wo.z <= 0.0) || (wi.z == 0.0)) {
+        return lobe_zero();
+    }
+    if ((wi.z < 0.0) && !lobe.thin_walled) {
+        return ggx_eval_refraction(lobe, wo, wi);
+    }
+    if ((wi.z < 0.0) && (lobe.mode == MODE_REFLECT)) {
+        return lobe_zero();
+    }
+    let mirrored = vec3f(wi.x, wi.y, abs(wi.z));
+    let h = (wo + mirrored);
+    let h2 = dot(h, h);
+    if (h2 < 1e-30) {
+        return lobe_zero();
+    }
+    let reflected = ggx_reflectance(lobe, min((0.5 * sqrt(h2)), 1.0));
+    let share = select((1.0 - reflected), reflected, (wi.z > 0.0));
+    let stretch = ggx_stretch(lobe.alpha, wo);
+    let d = (share * ggx_d(lobe.alpha, h, h2));
+    return LobeValue((((0.5 * d) * ggx_g1(lobe.alpha, wi)) / (wo.z + stretch)), ((0.5 * d) / ((ggx_cap_bound(lobe, wo) * wo.z) + stretch)));
+}
+
+fn ggx_reflectance(lobe: Ggx, c: f32) -> f32 {
+    if (lobe.thin_walled && (lobe.mode == MODE_TRANSMIT)) {
+        return 0.0;
+    }
+    return specular_reflectance(lobe.mode, c, lobe.eta);
+}
+
+fn ggx_eval_refraction(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((lobe.mode == MODE_REFLECT) || (abs((lobe.eta - 1.0)) < ETA_MATCH)) {
+        return lobe_zero();
+    }
+    let sum = (wo + (wi * lobe.eta));
+    let h = (sum * select(-1.0, 1.0, (sum.z >= 0.0)));
+    let h2 = dot(h, h);
+    let oh = dot(wo, h);
+    let ih = dot(wi, h);
+    if (((oh <= 0.0) || (ih >= 0.0)) || (h2 < 1e-30)) {
+        return lobe_zero();
+    }
+    let c = min((oh / sqrt(h2)), 1.0);
+    let transmitted = (1.0 - ggx_reflectance(lobe, c));
+    let d = (transmitted * ggx_d(lobe.alpha, h, h2));
+    let jacobian = (((lobe.eta * lobe.eta) * (oh / h2)) * (-ih / h2));
+    let pdf = (((2.0 * d) * jacobian) / (wo.z + ggx_stretch(lobe.alpha, wo)));
+    return LobeValue((pdf * ggx_g1(lobe.alpha, wi)), pdf);
+}
+
+fn ggx_sample_normal(alpha: vec2f, wo: vec3f, bound: f32, u: vec2f) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    let stretched = normalize_or(vec3f((wo.x * alpha.x), (wo.y * alpha.y), wo.z), up);
+    let sc = math_sincos(((2.0 * PI) * u.x));
+    let lowest = (bound * stretched.z);
+    let z = (((1.0 - u.y) * (1.0 + lowest)) - lowest);
+    let r = sqrt(max(((1.0 - z) * (1.0 + z)), 0.0));
+    let sum = vec3f(((r * sc.y) + stretched.x), ((r * sc.x) + stretched.y), (z + stretched.z));
+    return normalize_or(vec3f((sum.x * alpha.x), (sum.y * alpha.y), max(sum.z, 0.0)), up);
+}
+
+fn ggx_sample(lobe: Ggx, wo: vec3f, u: vec2f, uc: f32) -> LobeSample {
+    if (wo.z <= 0.0) {
+        return lobe_absorb();
+    }
+    if (((lobe.mode != MODE_REFLECT) && !lobe.thin_walled) && (abs((lobe.eta - 1.0)) < ETA_MATCH)) {
+        return LobeSample(vec3f(-wo.x, -wo.y, -wo.z), (EVENT_SPECULAR | EVENT_TRANSMISSION));
+    }
+    let wm = ggx_sample_normal(lobe.alpha, wo, ggx_cap_bound(lobe, wo), u);
+    let c = min(dot(wo, wm), 1.0);
+    if (c <= 0.0) {
+        return lobe_absorb();
+    }
+    let mirror = ((wm * (2.0 * c)) - wo);
+    let reflects = (uc < ggx_reflectance(lobe, c));
+    if (reflects || lobe.thin_walled) {
+        if (mirror.z <= 0.0) {
+            return lobe_absorb();
+        }
+        let side = select(EVENT_TRANSMISSION, EVENT_REFLECTION, reflects);
+        return LobeSample(vec3f(mirror.x, mirror.y, select(-mirror.z, mirror.z, reflects)), (EVENT_GLOSSY | side));
+    }
+    let wi = normalize_or(refract_at(wo, wm, c, lobe.eta), vec3f(0.0, 0.0, -1.0));
+    if (wi.z >= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_GLOSSY | EVENT_TRANSMISSION));
+}
+const ALBEDO_CELLS: u32 = 12u;
+
+fn cubic(c: vec4f, x: f32) -> f32 {
+    return (c.x + (x * (c.y + (x * (c.z + (x * c.w))))));
+}
+
+fn ggx_albedo_reflection(alpha: f32, mu: f32) -> f32 {
+    let t = (mu / (mu + alpha));
+    let p0 = cubic(vec4f(0.063108, 0.042415, 0.648377, -0.239965), alpha);
+    let p1 = cubic(vec4f(0.013712, -0.221854, 0.127135, 0.129219), alpha);
+    let p2 = cubic(vec4f(0.122677, 0.723070, -0.965951, -1.096269), alpha);
+    let p3 = cubic(vec4f(-0.368986, -1.808482, -0.927123, 3.219062), alpha);
+    let p4 = cubic(vec4f(0.166463, 1.352936, 2.680698, -4.121448), alpha);
+    let p = (p0 + (t * (p1 + (t * (p2 + (t * (p3 + (t * p4))))))));
+    let q1 = (-2.161096 - (1.171106 * alpha));
+    let q2 = (1.413042 + (0.650708 * alpha));
+    let q = ((1.0 + (0.332965 * alpha)) + (t * (q1 + (t * q2))));
+    return unit((1.0 - (((1.0 - t) * p) / q)));
+}
+
+fn ggx_albedo(lobe: Ggx, wo: vec3f) -> f32 {
+    if (wo.z <= 0.0) {
+        return 0.0;
+    }
+    if ((lobe.mode == MODE_REFLECT) && (lobe.alpha.x == lobe.alpha.y)) {
+        return ggx_albedo_reflection(lobe.alpha.x, wo.z);
+    }
+    let step = (1.0 / f32(ALBEDO_CELLS));
+    var sum: f32 = 0.0;
+    for (var i = 0u; i < ALBEDO_CELLS; i++) {
+        for (var j = 0u; j < ALBEDO_CELLS; j++) {
+            let rest = (1.0 - ((f32(j) + 0.5) * step));
+            let turn = (0.25 + (0.5 * f32((j % 2u))));
+            let u = vec2f(((f32(i) + turn) * step), (1.0 - (rest * rest)));
+            let normal = ggx_sample_normal(lobe.alpha, wo, 1.0, u);
+            sum += ((2.0 * rest) * ggx_normal_albedo(lobe, wo, normal));
+        }
+    }
+    return unit(((sum * step) * step));
+}
+
+fn ggx_normal_albedo(lobe: Ggx, wo: vec3f, wm: vec3f) -> f32 {
+    let c = clamp(dot(wo, wm), 1e-7, 1.0);
+    let mirror = ((wm * (2.0 * c)) - wo);
+    let r = ggx_reflectance(lobe, c);
+    let above = select(0.0, ggx_g1(lobe.alpha, mirror), (mirror.z > 0.0));
+    if lobe.thin_walled {
+        return select(above, (r * above), (lobe.mode == MODE_REFLECT));
+    }
+    if (r >= 1.0) {
+        return above;
+    }
+    let wt = refract_at(wo, wm, c, lobe.eta);
+    let below = select(0.0, ggx_g1(lobe.alpha, wt), (wt.z < 0.0));
+    return ((r * above) + ((1.0 - r) * below));
+}
+struct BsdfValue {
+    diffuse: vec3f,
+    glossy: vec3f,
+    pdf: f32,
+    specular: vec3f
+}
+
+struct BsdfSample {
+    wi: vec3f,
+    pdf: f32,
+    weight: vec3f,
+    event: u32
+}
+
+struct BsdfAlbedo {
+    diffuse: vec3f,
+    glossy: vec3f
+}
+
+struct Visit {
+    node: u32,
+    weight: vec3f,
+    prob: f32,
+    normal: u32
+}
+
+struct LayerSplit {
+    layer: vec3f,
+    base: vec3f,
+    prob: f32
+}
+const NO_NODE: u32 = 4294967295u;
+const NO_SLOT: u32 = 4294967295u;
+const LAYER_FLOOR: f32 = 0.04;
+
+fn layer_child(n: vec4u, index: u32) -> u32 {
+    return select((index + 1u), n.z, ((n.x & FLAG_BASE_FIRST) != 0u));
+}
+
+fn base_child(n: vec4u, index: u32) -> u32 {
+    return select(n.z, (index + 1u), ((n.x & FLAG_BASE_FIRST) != 0u));
+}
+
+fn visit_now(n: vec4u, layer: Visit, base: Visit) -> Visit {
+    if ((n.x & FLAG_BASE_FIRST) != 0u) {
+        return base;
+    }
+    return layer;
+}
+
+fn visit_later(n: vec4u, layer: Visit, base: Visit) -> Visit {
+    if ((n.x & FLAG_BASE_FIRST) != 0u) {
+        return layer;
+    }
+    return base;
+}
+
+fn visit_root() -> Visit {
+    return Visit(0u, splat3(1.0), 1.0, NO_SLOT);
+}
+
+fn layer_normal(n: vec4u, inherited: u32) -> u32 {
+    if ((n.x & FLAG_VECTOR) == 0u) {
+        return inherited;
+    }
+    return layer_normal_slot(n);
+}
+
+fn normal_at(p: ptr<function, Params>, slot: u32) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    if (slot == NO_SLOT) {
+        return up;
+    }
+    let own = normalize_or(param3(p, slot), up);
+    return (own * select(-1.0, 1.0, (own.z >= 0.0)));
+}
+
+fn layer_probability(n: vec4u, p: ptr<function, Params>, curve: vec3f) -> f32 {
+    let weight = mean3(unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT))));
+    let m = max(mean3(curve), (LAYER_FLOOR * weight));
+    let layer = (m * param(p, (n.y + SLOT_LAYER_IMPORTANCE)));
+    let base = ((1.0 - m) * param(p, ((n.y + SLOT_LAYER_IMPORTANCE) + 1u)));
+    let sum = (layer + base);
+    if (sum > 0.0) {
+        return (layer / sum);
+    }
+    return select(0.0, 1.0, (m > 0.5));
+}
+
+fn layer_split(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+) -> LayerSplit {
+    if ((n.x & OP_MASK) == OP_WEIGHTED_LAYER) {
+        let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+        let prob = layer_probability(n, p, weight);
+        return LayerSplit(weight, (splat3(1.0) - weight), prob);
+    }
+    let z = normal_at(p, normal);
+    let no = dot(z, wo);
+    let ni = dot(z, wi);
+    let half = half_cosine(no, ni, dot(wo, wi));
+    let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+    let prob = layer_probability(n, p, curve.seen);
+    let most = max(max(curve.seen, curve.lit), curve.front);
+    return LayerSplit(curve.half, (splat3(1.0) - most), prob);
+}
+
+fn modifier_factor(
+    n: vec4u,
+    p: ptr<function, Params>,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+    transmits: bool,
+) -> vec3f {
+    let op = (n.x & OP_MASK);
+    if (op == OP_TINT) {
+        let second = (transmits && ((n.x & FLAG_COLOR) != 0u));
+        return unit3(param3(p, (n.y + select(SLOT_TINT, SLOT_TINT_TRANSMISSION, second))));
+    }
+    if (op == OP_SCALE) {
+        let s = param3(p, (n.y + SLOT_TINT));
+        return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
+    }
+    let z = normal_at(p, normal);
+    let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
+    let at_normal = param3(p, (n.y + SLOT_TINT));
+    let at_grazing = param3(p, (n.y + SLOT_FACTOR_GRAZING));
+    let exponent = param(p, (n.y + SLOT_FACTOR_EXPONENT));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        return f82_curve(at_normal, at_grazing, param3(p, (n.y + SLOT_FACTOR_F82)), exponent, c);
+    }
+    return schlick_curve(at_normal, at_grazing, exponent, c);
+}
+
+fn node_ggx(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Ggx {
+    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), point.eta);
+}
+
+fn node_is_turned(n: vec4u, normal: u32) -> bool {
+    return ((normal != NO_SLOT) || ((n.x & FLAG_VECTOR) != 0u));
+}
+
+fn node_frame(n: vec4u, p: ptr<function, Params>, normal: u32) -> Frame {
+    let z = normal_at(p, normal);
+    if ((n.x & FLAG_VECTOR) != 0u) {
+        return frame_from_normal_tangent(z, param3(p, (n.y + SLOT_GLOSSY_TANGENT)));
+    }
+    return frame_from_normal(z);
+}
+
+fn bsdf_node(program: ptr<function, Program>, index: u32) -> vec4u {
+    return program.nodes[u32(index)];
+}
+
+fn bsdf_visit(
+    program: ptr<function, Program>,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    wo: vec3f,
+    wi: vec3f,
+    specular_node: u32,
+) -> BsdfValue {
+    let zero = splat3(0.0);
+    var result: BsdfValue = BsdfValue(zero, zero, 0.0, zero);
+    var visit: Visit = visit_root();
+    var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
+    var depth: u32 = 0u;
+    let transmits = (dot(point.geometry_normal, wi) < 0.0);
+    var running: bool = true;
+    while running {
+        let n = bsdf_node(program, visit.node);
+        let op = (n.x & OP_MASK);
+        if (op >= OP_WEIGHTED_LAYER) {
+            let inherited = visit.normal;
+            let own = layer_normal(n, inherited);
+            let split = layer_split(n, p, point, own, wo, wi);
+            let layer = Visit(layer_child(n, visit.node), (visit.weight * split.layer), (visit.prob * split.prob), own);
+            let base = Visit(base_child(n, visit.node), (visit.weight * split.base), (visit.prob * (1.0 - split.prob)), inherited);
+            stack[u32(depth)] = visit_later(n, layer, base);
+            visit = visit_now(n, layer, base);
+            depth += 1u;
+        } else if (op >= OP_TINT) {
+            visit.weight *= modifier_factor(n, p, visit.normal, wo, wi, transmits);
+            visit.node += 1u;
+        } else {
+            if (visit.node == specular_node) {
+                result.specular = visit.weight;
+            }
+            let leaf = leaf_eval(n, p, point, visit.normal, wo, wi, transmits);
+            result.diffuse += (visit.weight * leaf.diffuse);
+            result.glossy += (visit.weight * leaf.glossy);
+            result.pdf += (visit.prob * leaf.pdf);
+            running = (depth > 0u);
+            if running {
+                depth -= 1u;
+                visit = stack[u32(depth)];
+            }
+        }
+    }
+    return result;
+}
+
+fn leaf_eval(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+    transmits: bool,
+) -> BsdfValue {
+    let zero = splat3(0.0);
+    let op = (n.x & OP_MASK);
+    var result: BsdfValue = BsdfValue(zero, zero, 0.0, zero);
+    if ((op == OP_BLACK) || (op == OP_SPECULAR)) {
+        return result;
+    }
+    var o: vec3f = wo;
+    var i: vec3f = wi;
+    if node_is_turned(n, normal) {
+        let frame = node_frame(n, p, normal);
+        o = frame_to_local(frame, wo);
+        i = frame_to_local(frame, wi);
+    }
+    if ((i.z < 0.0) != transmits) {
+        return result;
+    }
+    let tint = unit3(param3(p, (n.y + SLOT_TINT)));
+    if (op == OP_DIFFUSE_REFLECTION) {
+        let lobe = diffuse_reflection_new(param(p, (n.y + SLOT_DIFFUSE_ROUGHNESS)));
+        let v = diffuse_reflection_eval(lobe, o, i);
+        result.diffuse = (tint * v.single);
+        if ((n.x & FLAG_COLOR) != 0u) {
+            result.diffuse += (unit3(param3(p, (n.y + SLOT_DIFFUSE_MULTIPLE))) * v.multiple);
+        }
+        result.pdf = v.pdf;
+    } else if (op == OP_DIFFUSE_TRANSMISSION) {
+        let v = diffuse_transmission_eval(o, i);
+        result.diffuse = (tint * v.f);
+        result.pdf = v.pdf;
+    } else if (op == OP_GGX_SMITH) {
+        let v = ggx_eval(node_ggx(n, p, point), o, i);
+        result.glossy = (tint * v.f);
+        result.pdf = v.pdf;
+    }
+    return result;
+}
+
+fn leaf_sample(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    normal: u32,
+    wo: vec3f,
+    u: vec3f,
+) -> LobeSample {
+    let op = (n.x & OP_MASK);
+    var frame: Frame = Frame(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
+    var o: vec3f = wo;
+    let turned = node_is_turned(n, normal);
+    if turned {
+        frame = node_frame(n, p, normal);
+        o = frame_to_local(frame, wo);
+    }
+    var s: LobeSample = lobe_absorb();
+    if (o.z <= 0.0) {
+        return s;
+    }
+    if (op == OP_DIFFUSE_REFLECTION) {
+        s = diffuse_reflection_sample(u.xy);
+    } else if (op == OP_DIFFUSE_TRANSMISSION) {
+        s = diffuse_transmission_sample(u.xy);
+    } else if (op == OP_SPECULAR) {
+        let thin = ((point.flags & POINT_THIN_WALLED) != 0u);
+        s = specular_sample(n.w, thin, point.eta, o, u.z);
+    } else if (op == OP_GGX_SMITH) {
+        s = ggx_sample(node_ggx(n, p, point), o, u.xy, u.z);
+    }
+    if turned {
+        s.wi = normalize_or(frame_from_local(frame, s.wi), s.wi);
+    }
+    return s;
+}
+
+fn bsdf_eval(
+    program: ptr<function, Program>,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    wo: vec3f,
+    wi: vec3f,
+) -> BsdfValue {
+    return bsdf_visit(program, p, point, wo, wi, NO_NODE);
+}
+const ALBEDO_POINTS: u32 = 64u;
+
+fn bsdf_albedo(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAlbedo {
+    var angular: bool = false;
+    let count = program.count;
+    for (var i = 0u; i < count; i++) {
+        let n = bsdf_node(program, i);
+        let op = (n.x & OP_MASK);
+        let splits = ((op == OP_TINT) && ((n.x & FLAG_COLOR) != 0u));
+        angular = (((angular || (op > OP_WEIGHTED_LAYER)) || (op == OP_DIRECTIONAL_FACTOR)) || splits);
+    }
+    if angular {
+        return bsdf_albedo_sampled(program, p, point, wo);
+    }
+    return bsdf_albedo_closed(program, p, point, wo);
+}
+
+fn bsdf_albedo_sampled(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAlbedo {
+    var result: BsdfAlbedo = BsdfAlbedo(splat3(0.0), splat3(0.0));
+    let share = (1.0 / f32(ALBEDO_POINTS));
+    for (var i = 0u; i < ALBEDO_POINTS; i++) {
+        let k = (f32(i) + 0.5);
+        let u = vec3f((k * 0.8191725), (k * 0.6710436), (k * 0.5497005));
+        let s = bsdf_sample(program, p, point, wo, (u - floor(u)));
+        if ((s.event & EVENT_SPECULAR) != 0u) {
+            result.glossy += (s.weight * share);
+        } else if (s.event != EVENT_ABSORB) {
+            let v = bsdf_eval(program, p, point, wo, s.wi);
+            result.diffuse += (v.diffuse * (share / v.pdf));
+            result.glossy += (v.glossy * (share / v.pdf));
+        }
+    }
+    return BsdfAlbedo(unit3(result.diffuse), unit3(result.glossy));
+}
+
+fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAlbedo {
+    var result: BsdfAlbedo = BsdfAlbedo(splat3(0.0), splat3(0.0));
+    var visit: Visit = visit_root();
+    var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
+    var depth: u32 = 0u;
+    var running: bool = true;
+    while running {
+        let n = bsdf_node(program, visit.node);
+        let op = (n.x & OP_MASK);
+        if (op >= OP_WEIGHTED_LAYER) {
+            let own = layer_normal(n, visit.normal);
+            let share = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let layer = Visit(layer_child(n, visit.node), (visit.weight * share), 1.0, own);
+            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - share)), 1.0, visit.normal);
+            stack[u32(depth)] = visit_later(n, layer, base);
+            visit = visit_now(n, layer, base);
+            depth += 1u;
+        } else if (op >= OP_TINT) {
+            visit.weight *= modifier_factor(n, p, visit.normal, wo, wo, false);
+            visit.node += 1u;
+        } else {
+            let leaf = leaf_albedo(n, p, point, visit.normal, wo);
+            result.diffuse += (visit.weight * leaf.diffuse);
+            result.glossy += (visit.weight * leaf.glossy);
+            running = (depth > 0u);
+            if running {
+                depth -= 1u;
+                visit = stack[u32(depth)];
+            }
+        }
+    }
+    return result;
+}
+
+fn leaf_albedo(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    normal: u32,
+    wo: vec3f,
+) -> BsdfAlbedo {
+    var result: BsdfAlbedo = BsdfAlbedo(splat3(0.0), splat3(0.0));
+    let op = (n.x & OP_MASK);
+    let o = frame_to_local(node_frame(n, p, normal), wo);
+    if ((op == OP_BLACK) || (o.z <= 0.0)) {
+        return result;
+    }
+    let tint = unit3(param3(p, (n.y + SLOT_TINT)));
+    if (op == OP_DIFFUSE_REFLECTION) {
+        let lobe = diffuse_reflection_new(param(p, (n.y + SLOT_DIFFUSE_ROUGHNESS)));
+        let single = diffuse_reflection_albedo(lobe, o.z);
+        result.diffuse = (tint * single);
+        if ((n.x & FLAG_COLOR) != 0u) {
+            let multiple = unit3(param3(p, (n.y + SLOT_DIFFUSE_MULTIPLE)));
+            result.diffuse += (multiple * (1.0 - single));
+        }
+    } else if (op == OP_DIFFUSE_TRANSMISSION) {
+        result.diffuse = tint;
+    } else if (op == OP_SPECULAR) {
+        result.glossy = tint;
+    } else if (op == OP_GGX_SMITH) {
+        result.glossy = (tint * ggx_albedo(node_ggx(n, p, point), o));
+    }
+    return result;
+}
+
+fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
+    let rest = select(((u - prob) / (1.0 - prob)), (u / prob), chosen);
+    return clamp(rest, 0.0, 0.99999994);
+}
+
+fn bsdf_sample(
+    program: ptr<function, Program>,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    wo: vec3f,
+    u: vec3f,
+) -> BsdfSample {
+    var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, splat3(0.0), EVENT_ABSORB);
+    var node: u32 = 0u;
+    var normal: u32 = NO_SLOT;
+    var prob: f32 = 1.0;
+    var uz: f32 = u.z;
+    var n: vec4u = bsdf_node(program, node);
+    while ((n.x & OP_MASK) >= OP_TINT) {
+        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
+            let own = layer_normal(n, normal);
+            let z = normal_at(p, own);
+            let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
+            let q = layer_probability(n, p, seen);
+            let layer = (uz < q);
+            uz = reuse_random(uz, q, layer);
+            prob *= select((1.0 - q), q, layer);
+            node = select(base_child(n, node), layer_child(n, node), layer);
+            normal = select(normal, own, layer);
+        } else {
+            node += 1u;
+        }
+        n = bsdf_node(program, node);
+    }
+    let s = leaf_sample(n, p, point, normal, wo, vec3f(u.x, u.y, uz));
+    let transmits = ((s.event & EVENT_TRANSMISSION) != 0u);
+    let crosses = (dot(point.geometry_normal, s.wi) < 0.0);
+    if ((s.event == EVENT_ABSORB) || (transmits != crosses)) {
+        return result;
+    }
+    if ((s.event & EVENT_SPECULAR) != 0u) {
+        let v = bsdf_visit(program, p, point, wo, s.wi, node);
+        result.weight = ((v.specular * unit3(param3(p, (n.y + SLOT_TINT)))) * (1.0 / prob));
+        result.wi = s.wi;
+        result.event = s.event;
+        return result;
+    }
+    let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
+    if (v.pdf > 0.0) {
+        result.weight = ((v.diffuse + v.glossy) * (1.0 / v.pdf));
+        result.wi = s.wi;
+        result.pdf = v.pdf;
+        result.event = s.event;
+    }
+    return result;
+}
+struct EdfValue {
+    value: vec3f,
+    pdf: f32
+}
+
+fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f) -> EdfValue {
+    var result: EdfValue = EdfValue(splat3(0.0), 0.0);
+    if (w.z <= 0.0) {
+        return result;
+    }
+    var visit: Visit = visit_root();
+    var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
+    var depth: u32 = 0u;
+    var running: bool = true;
+    while running {
+        let n = bsdf_node(program, visit.node);
+        let op = (n.x & OP_MASK);
+        if (op == OP_WEIGHTED_LAYER) {
+            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let prob = layer_probability(n, p, weight);
+            let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
+            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
+            stack[u32(depth)] = visit_later(n, layer, base);
+            visit = visit_now(n, layer, base);
+            depth += 1u;
+        } else if ((op >= OP_TINT) && (op < OP_WEIGHTED_LAYER)) {
+            let mirrored = vec3f(-w.x, -w.y, w.z);
+            visit.weight *= modifier_factor(n, p, visit.normal, w, mirrored, false);
+            visit.node += 1u;
+        } else {
+            if (op == OP_DIFFUSE_EDF) {
+                result.value += (visit.weight * FRAC_1_PI);
+                result.pdf += ((visit.prob * w.z) * FRAC_1_PI);
+            }
+            running = (depth > 0u);
+            if running {
+                depth -= 1u;
+                visit = stack[u32(depth)];
+            }
+        }
+    }
+    return result;
+}
+
+fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3f) -> LobeSample {
+    var node: u32 = 0u;
+    var uz: f32 = u.z;
+    var n: vec4u = bsdf_node(program, node);
+    while (((n.x & OP_MASK) >= OP_TINT) && ((n.x & OP_MASK) < OP_DIFFUSE_EDF)) {
+        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
+            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let q = layer_probability(n, p, weight);
+            let layer = (uz < q);
+            uz = reuse_random(uz, q, layer);
+            node = select(base_child(n, node), layer_child(n, node), layer);
+        } else {
+            node += 1u;
+        }
+        n = bsdf_node(program, node);
+    }
+    let wi = sample_cosine_hemisphere(u.xy);
+    if (((n.x & OP_MASK) != OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, EVENT_DIFFUSE);
+}
+const LAYERED_BSDF_VERSION: u32 = 1u;

@@ -1,0 +1,114 @@
+//! Programs in words, for people.
+
+use crate::nodes::*;
+use crate::program::LayerProgram;
+
+/// A node in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NodeText {
+    /// Name of the operation, with its mode.
+    pub name: String,
+    /// Names of its parameters with their first slots.
+    pub slots: String,
+    /// Indices of its children.
+    pub children: Vec<usize>,
+}
+
+/// Name of an operation and its parameters with their numbers of slots; those behind `optional` are there
+/// if the flag is set.
+struct Operation {
+    name: &'static str,
+    parameters: &'static [(&'static str, u32)],
+    optional: &'static [(u32, &'static str)],
+}
+
+const LAYER: [(&str, u32); 2] = [("importance", 2), ("weight", 3)];
+
+fn operation(op: u32) -> Operation {
+    let (name, parameters, optional): (_, &[(&str, u32)], &[(u32, &str)]) = match op {
+        OP_BLACK => ("black", &[], &[]),
+        OP_DIFFUSE_REFLECTION => {
+            ("diffuse reflection", &[("tint", 3), ("roughness", 1)], &[(FLAG_COLOR, "multiscatter tint")])
+        }
+        OP_DIFFUSE_TRANSMISSION => ("diffuse transmission", &[("tint", 3)], &[]),
+        OP_SPECULAR => ("specular", &[("tint", 3)], &[]),
+        OP_GGX_SMITH => ("GGX Smith", &[("tint", 3), ("roughness", 2)], &[(FLAG_VECTOR, "tangent")]),
+        OP_TINT => ("tint", &[("tint", 3)], &[(FLAG_COLOR, "transmission tint")]),
+        OP_SCALE => ("scale", &[("factor", 3)], &[]),
+        OP_DIRECTIONAL_FACTOR => (
+            "directional factor",
+            &[("normal tint", 3), ("grazing tint", 3), ("exponent", 1)],
+            &[(FLAG_COLOR, "f82 factor")],
+        ),
+        OP_WEIGHTED_LAYER => ("weighted layer", &LAYER, &[(FLAG_VECTOR, "normal")]),
+        OP_FRESNEL_LAYER => ("Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 1)], &[(FLAG_VECTOR, "normal")]),
+        OP_COLOR_FRESNEL_LAYER => {
+            ("color Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 3)], &[(FLAG_VECTOR, "normal")])
+        }
+        OP_CUSTOM_CURVE_LAYER => (
+            "custom curve layer",
+            &[LAYER[0], LAYER[1], ("normal reflectivity", 3), ("grazing reflectivity", 3), ("exponent", 1)],
+            &[(FLAG_COLOR, "f82 factor"), (FLAG_VECTOR, "normal")],
+        ),
+        OP_DIFFUSE_EDF => ("diffuse emission", &[], &[]),
+        _ => ("unknown", &[], &[]),
+    };
+    Operation { name, parameters, optional }
+}
+
+impl LayerProgram {
+    /// The nodes in words, in order.
+    pub fn describe(&self) -> Vec<NodeText> {
+        self.nodes().iter().enumerate().map(|(index, n)| describe(index, n.x, n.y, n.z, n.w)).collect()
+    }
+}
+
+fn describe(index: usize, word: u32, mut slot: u32, second: u32, mode: u32) -> NodeText {
+    let op = word & OP_MASK;
+    let operation = operation(op);
+    let mode = match (op, mode) {
+        (OP_SPECULAR | OP_GGX_SMITH, crate::lobes::MODE_REFLECT) => ", reflecting",
+        (OP_SPECULAR | OP_GGX_SMITH, crate::lobes::MODE_TRANSMIT) => ", transmitting",
+        (OP_SPECULAR | OP_GGX_SMITH, _) => ", reflecting and transmitting",
+        _ => "",
+    };
+    let present = operation.optional.iter().filter(|(flag, _)| word & flag != 0).map(|(_, name)| (*name, 3));
+    let mut slots = Vec::new();
+    for (name, count) in operation.parameters.iter().copied().chain(present) {
+        slots.push(match count {
+            1 => format!("{name} [{slot}]"),
+            _ => format!("{name} [{slot}..{}]", slot + count),
+        });
+        slot += count;
+    }
+    let children = match op {
+        OP_DIFFUSE_EDF => vec![],
+        op if op >= OP_WEIGHTED_LAYER => vec![index + 1, second as usize],
+        op if op >= OP_TINT => vec![index + 1],
+        _ => vec![],
+    };
+    NodeText { name: format!("{}{mode}", operation.name), slots: slots.join(", "), children }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::program::{Curve, LayerProgram, ScatterMode, Tree};
+
+    #[test]
+    fn a_coat_is_described_with_its_children() {
+        let tree = Tree::Layer {
+            curve: Curve::Fresnel { ior: 1.5 },
+            weight: [1.0; 3],
+            normal: None,
+            layer: Box::new(Tree::Specular { tint: [1.0; 3], mode: ScatterMode::Reflect }),
+            base: Box::new(Tree::Black),
+        };
+        let (program, slots) = LayerProgram::new(&tree).expect("a small tree");
+        let text = program.describe();
+        assert_eq!(text[0].name, "Fresnel layer");
+        assert_eq!(text[0].slots, "importance [0..2], weight [2..5], ior [5]");
+        assert_eq!(text[0].children, [1, 2]);
+        assert_eq!(text[1].name, "specular, reflecting");
+        assert_eq!(slots.len(), 9);
+    }
+}

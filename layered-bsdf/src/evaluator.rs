@@ -1,0 +1,598 @@
+//! The one evaluator of every tree of BSDFs: value, density, sample and albedo.
+//!
+//! A tree is visited from the root: an operation passes weights on to its children, a lobe adds what it
+//! has to the result. The second child of a layer waits on a small stack. Weights depend on both
+//! directions, so the density of a direction is computed in the same visit as its value, with the
+//! probabilities that sampling would have used: `eval`, `sample` and `pdf` cannot disagree.
+//!
+//! Layers follow MDL's documented weights: with w(θ) the layer's curve, the layer is weighted by w at the
+//! half vector and the base by 1 − max(w(θo), w(θi), w(0)). This is reciprocal and loses the light that
+//! passes between the layers more than once. (MDL's reference leaves out w(0), which is the least where a
+//! curve rises towards grazing, as Fresnel's does. Where it falls, w(0) keeps the layers from gaining
+//! energy: no half vector lies lower than both directions.)
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod code {
+    //! Shared with the GPU.
+    use crate::curves::code::*;
+    use crate::frame::code::*;
+    use crate::fresnel::code::*;
+    use crate::lobes::code::*;
+    use crate::lobes::diffuse_reflection::code::*;
+    use crate::lobes::diffuse_transmission::code::*;
+    use crate::lobes::ggx::code::*;
+    use crate::lobes::ggx_albedo::code::*;
+    use crate::lobes::specular::code::*;
+    use crate::nodes::code::*;
+    use wgsl_rs::std::*;
+
+    /// Value and density of a tree for a pair of directions.
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsdfValue {
+        /// f·|cos θi| of the diffuse lobes, sr⁻¹.
+        pub diffuse: Vec3f,
+        /// f·|cos θi| of the glossy lobes, sr⁻¹.
+        pub glossy: Vec3f,
+        /// Density of `bsdf_sample` for `wi`, sr⁻¹; below 1 in total by what it absorbs or scatters
+        /// specularly.
+        pub pdf: f32,
+        /// Weights on the way to the one specular lobe asked for; else zero.
+        pub specular: Vec3f,
+    }
+
+    /// A sampled direction.
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsdfSample {
+        /// The direction; without meaning if the event is `EVENT_ABSORB`.
+        pub wi: Vec3f,
+        /// Density per solid angle; 0 for specular events.
+        pub pdf: f32,
+        /// f·|cos θi|/pdf; for specular events the share of energy over its probability.
+        pub weight: Vec3f,
+        /// `EVENT_*` bits.
+        pub event: u32,
+    }
+
+    /// Share of energy that a tree scatters, seen from one direction.
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsdfAlbedo {
+        /// By diffuse lobes.
+        pub diffuse: Vec3f,
+        /// By glossy and specular lobes.
+        pub glossy: Vec3f,
+    }
+
+    /// A subtree that waits, or that is being visited.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Visit {
+        /// Index of its root.
+        pub node: u32,
+        /// What its value is multiplied by.
+        pub weight: Vec3f,
+        /// Probability that sampling comes here.
+        pub prob: f32,
+        /// Slot of its shading normal, or `NO_SLOT` where that is the frame's z.
+        pub normal: u32,
+    }
+
+    /// How a layer divides value and probability.
+    #[derive(Clone, Copy, Debug)]
+    pub struct LayerSplit {
+        /// Factor of the layer.
+        pub layer: Vec3f,
+        /// Factor of the base.
+        pub base: Vec3f,
+        /// Probability of choosing the layer.
+        pub prob: f32,
+    }
+
+    /// No node is asked for.
+    pub const NO_NODE: u32 = 0xffffffff;
+    /// The shading normal is that of the frame.
+    pub const NO_SLOT: u32 = 0xffffffff;
+    /// Least share of a layer's weight that its selection is based on: a curve that vanishes for `wo`
+    /// need not vanish at other facets.
+    pub const LAYER_FLOOR: f32 = 0.04;
+
+    /// The root of the layer of node `n` at `index`.
+    pub fn layer_child(n: Vec4u, index: u32) -> u32 {
+        select(index + 1, n.z, (n.x & FLAG_BASE_FIRST) != 0)
+    }
+
+    /// The root of the base of node `n` at `index`.
+    pub fn base_child(n: Vec4u, index: u32) -> u32 {
+        select(n.z, index + 1, (n.x & FLAG_BASE_FIRST) != 0)
+    }
+
+    /// Which child of `n` is visited now: the one that needs less of the stack.
+    pub fn visit_now(n: Vec4u, layer: Visit, base: Visit) -> Visit {
+        if (n.x & FLAG_BASE_FIRST) != 0 {
+            return base;
+        }
+        layer
+    }
+
+    /// Which child of `n` waits.
+    pub fn visit_later(n: Vec4u, layer: Visit, base: Visit) -> Visit {
+        if (n.x & FLAG_BASE_FIRST) != 0 {
+            return layer;
+        }
+        base
+    }
+
+    /// The visit of a whole program.
+    pub fn visit_root() -> Visit {
+        Visit { node: 0, weight: splat3(1.0), prob: 1.0, normal: NO_SLOT }
+    }
+
+    /// The slot of a layer's normal: its own or the inherited one.
+    pub fn layer_normal(n: Vec4u, inherited: u32) -> u32 {
+        if (n.x & FLAG_VECTOR) == 0 {
+            return inherited;
+        }
+        layer_normal_slot(n)
+    }
+
+    /// The shading normal in a slot, on the side of `wo`.
+    pub fn normal_at(p: ptr!(function, Params), slot: u32) -> Vec3f {
+        let up = vec3f(0.0, 0.0, 1.0);
+        if slot == NO_SLOT {
+            return up;
+        }
+        let own = normalize_or(param3(p, slot), up);
+        own * select(-1.0, 1.0, own.z >= 0.0)
+    }
+
+    /// Probability of choosing the layer when its curve, seen from `wo`, is `curve`.
+    pub fn layer_probability(n: Vec4u, p: ptr!(function, Params), curve: Vec3f) -> f32 {
+        let weight = mean3(unit3(param3(p, n.y + SLOT_LAYER_WEIGHT)));
+        let m = max(mean3(curve), LAYER_FLOOR * weight);
+        let layer = m * param(p, n.y + SLOT_LAYER_IMPORTANCE);
+        let base = (1.0 - m) * param(p, n.y + SLOT_LAYER_IMPORTANCE + 1);
+        let sum = layer + base;
+        if sum > 0.0 {
+            return layer / sum;
+        }
+        select(0.0, 1.0, m > 0.5)
+    }
+
+    /// The split of a layer with its normal in slot `normal` for a pair of directions.
+    pub fn layer_split(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        normal: u32,
+        wo: Vec3f,
+        wi: Vec3f,
+    ) -> LayerSplit {
+        if (n.x & OP_MASK) == OP_WEIGHTED_LAYER {
+            let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
+            let prob = layer_probability(n, p, weight);
+            return LayerSplit { layer: weight, base: splat3(1.0) - weight, prob };
+        }
+        let z = normal_at(p, normal);
+        let no = dot(z, wo);
+        let ni = dot(z, wi);
+        let half = half_cosine(no, ni, dot(wo, wi));
+        let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+        let prob = layer_probability(n, p, curve.seen);
+        let most = max(max(curve.seen, curve.lit), curve.front);
+        LayerSplit { layer: curve.half, base: splat3(1.0) - most, prob }
+    }
+
+    /// The factor of a modifier for a pair of directions.
+    pub fn modifier_factor(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        normal: u32,
+        wo: Vec3f,
+        wi: Vec3f,
+        transmits: bool,
+    ) -> Vec3f {
+        let op = n.x & OP_MASK;
+        if op == OP_TINT {
+            let second = transmits && (n.x & FLAG_COLOR) != 0;
+            return unit3(param3(p, n.y + select(SLOT_TINT, SLOT_TINT_TRANSMISSION, second)));
+        }
+        if op == OP_SCALE {
+            let s = param3(p, n.y + SLOT_TINT);
+            return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
+        }
+        let z = normal_at(p, normal);
+        let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
+        let at_normal = param3(p, n.y + SLOT_TINT);
+        let at_grazing = param3(p, n.y + SLOT_FACTOR_GRAZING);
+        let exponent = param(p, n.y + SLOT_FACTOR_EXPONENT);
+        if (n.x & FLAG_COLOR) != 0 {
+            return f82_curve(at_normal, at_grazing, param3(p, n.y + SLOT_FACTOR_F82), exponent, c);
+        }
+        schlick_curve(at_normal, at_grazing, exponent, c)
+    }
+
+    /// The GGX lobe of node `n`.
+    pub fn node_ggx(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> Ggx {
+        ggx_new(
+            param(p, n.y + SLOT_GLOSSY_ALPHA),
+            param(p, n.y + SLOT_GLOSSY_ALPHA + 1),
+            n.w,
+            (point.flags & POINT_THIN_WALLED) != 0,
+            point.eta,
+        )
+    }
+
+    /// Whether the lobe at node `n` needs a frame of its own.
+    pub fn node_is_turned(n: Vec4u, normal: u32) -> bool {
+        normal != NO_SLOT || (n.x & FLAG_VECTOR) != 0
+    }
+
+    /// The frame of the lobe at node `n` with its shading normal in slot `normal`.
+    pub fn node_frame(n: Vec4u, p: ptr!(function, Params), normal: u32) -> Frame {
+        let z = normal_at(p, normal);
+        if (n.x & FLAG_VECTOR) != 0 {
+            return frame_from_normal_tangent(z, param3(p, n.y + SLOT_GLOSSY_TANGENT));
+        }
+        frame_from_normal(z)
+    }
+
+    /// The node behind the one visited: a waiting subtree, or none.
+    pub fn bsdf_node(program: ptr!(function, Program), index: u32) -> Vec4u {
+        program.nodes[index as usize]
+    }
+
+    /// Value and density of the whole tree. `specular_node` names the specular lobe whose weight is
+    /// asked for, or `NO_NODE`.
+    pub fn bsdf_visit(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+        wi: Vec3f,
+        specular_node: u32,
+    ) -> BsdfValue {
+        let zero = splat3(0.0);
+        let mut result: BsdfValue = BsdfValue { diffuse: zero, glossy: zero, pdf: 0.0, specular: zero };
+        let mut visit: Visit = visit_root();
+        let mut stack: [Visit; 6] = [visit, visit, visit, visit, visit, visit];
+        let mut depth: u32 = 0;
+        // The geometric normal decides whether light passes the surface.
+        let transmits = dot(point.geometry_normal, wi) < 0.0;
+        let mut running: bool = true;
+        while running {
+            let n = bsdf_node(program, visit.node);
+            let op = n.x & OP_MASK;
+            if op >= OP_WEIGHTED_LAYER {
+                let inherited = visit.normal;
+                let own = layer_normal(n, inherited);
+                let split = layer_split(n, p, point, own, wo, wi);
+                let layer = Visit {
+                    node: layer_child(n, visit.node),
+                    weight: visit.weight * split.layer,
+                    prob: visit.prob * split.prob,
+                    normal: own,
+                };
+                let base = Visit {
+                    node: base_child(n, visit.node),
+                    weight: visit.weight * split.base,
+                    prob: visit.prob * (1.0 - split.prob),
+                    normal: inherited,
+                };
+                stack[depth as usize] = visit_later(n, layer, base);
+                visit = visit_now(n, layer, base);
+                depth += 1;
+            } else if op >= OP_TINT {
+                visit.weight *= modifier_factor(n, p, visit.normal, wo, wi, transmits);
+                visit.node += 1;
+            } else {
+                if visit.node == specular_node {
+                    result.specular = visit.weight;
+                }
+                let leaf = leaf_eval(n, p, point, visit.normal, wo, wi, transmits);
+                result.diffuse += visit.weight * leaf.diffuse;
+                result.glossy += visit.weight * leaf.glossy;
+                result.pdf += visit.prob * leaf.pdf;
+                running = depth > 0;
+                if running {
+                    depth -= 1;
+                    visit = stack[depth as usize];
+                }
+            }
+        }
+        result
+    }
+
+    /// Value and density of the lobe at node `n`, tint included.
+    pub fn leaf_eval(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        normal: u32,
+        wo: Vec3f,
+        wi: Vec3f,
+        transmits: bool,
+    ) -> BsdfValue {
+        let zero = splat3(0.0);
+        let op = n.x & OP_MASK;
+        let mut result: BsdfValue = BsdfValue { diffuse: zero, glossy: zero, pdf: 0.0, specular: zero };
+        if op == OP_BLACK || op == OP_SPECULAR {
+            return result;
+        }
+        let mut o: Vec3f = wo;
+        let mut i: Vec3f = wi;
+        if node_is_turned(n, normal) {
+            let frame = node_frame(n, p, normal);
+            o = frame_to_local(frame, wo);
+            i = frame_to_local(frame, wi);
+        }
+        // A bumped normal must not let light through, nor hold back what passes.
+        if (i.z < 0.0) != transmits {
+            return result;
+        }
+        let tint = unit3(param3(p, n.y + SLOT_TINT));
+        if op == OP_DIFFUSE_REFLECTION {
+            let lobe = diffuse_reflection_new(param(p, n.y + SLOT_DIFFUSE_ROUGHNESS));
+            let v = diffuse_reflection_eval(lobe, o, i);
+            result.diffuse = tint * v.single;
+            if (n.x & FLAG_COLOR) != 0 {
+                result.diffuse += unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE)) * v.multiple;
+            }
+            result.pdf = v.pdf;
+        } else if op == OP_DIFFUSE_TRANSMISSION {
+            let v = diffuse_transmission_eval(o, i);
+            result.diffuse = tint * v.f;
+            result.pdf = v.pdf;
+        } else if op == OP_GGX_SMITH {
+            let v = ggx_eval(node_ggx(n, p, point), o, i);
+            result.glossy = tint * v.f;
+            result.pdf = v.pdf;
+        }
+        result
+    }
+
+    /// A direction from the lobe at node `n`.
+    pub fn leaf_sample(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        normal: u32,
+        wo: Vec3f,
+        u: Vec3f,
+    ) -> LobeSample {
+        let op = n.x & OP_MASK;
+        let mut frame: Frame =
+            Frame { x: vec3f(1.0, 0.0, 0.0), y: vec3f(0.0, 1.0, 0.0), z: vec3f(0.0, 0.0, 1.0) };
+        let mut o: Vec3f = wo;
+        let turned = node_is_turned(n, normal);
+        if turned {
+            frame = node_frame(n, p, normal);
+            o = frame_to_local(frame, wo);
+        }
+        let mut s: LobeSample = lobe_absorb();
+        if o.z <= 0.0 {
+            return s;
+        }
+        if op == OP_DIFFUSE_REFLECTION {
+            s = diffuse_reflection_sample(u.xy());
+        } else if op == OP_DIFFUSE_TRANSMISSION {
+            s = diffuse_transmission_sample(u.xy());
+        } else if op == OP_SPECULAR {
+            let thin = (point.flags & POINT_THIN_WALLED) != 0;
+            s = specular_sample(n.w, thin, point.eta, o, u.z);
+        } else if op == OP_GGX_SMITH {
+            s = ggx_sample(node_ggx(n, p, point), o, u.xy(), u.z);
+        }
+        if turned {
+            s.wi = normalize_or(frame_from_local(frame, s.wi), s.wi);
+        }
+        s
+    }
+
+    /// Value and density of a tree; specular lobes have neither.
+    pub fn bsdf_eval(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+        wi: Vec3f,
+    ) -> BsdfValue {
+        bsdf_visit(program, p, point, wo, wi, NO_NODE)
+    }
+
+    /// Points of the quadrature of `bsdf_albedo` for trees whose layers vary with the angle.
+    pub const ALBEDO_POINTS: u32 = 64;
+
+    /// The share of energy that a tree scatters into all directions, seen from `wo`. Exact within the
+    /// bounds that the lobes state, but for trees with angular curves or a tint per side: there it is the
+    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05.
+    pub fn bsdf_albedo(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut angular: bool = false;
+        let count = program.count;
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..count {
+            let n = bsdf_node(program, i);
+            let op = n.x & OP_MASK;
+            let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
+            angular = angular || op > OP_WEIGHTED_LAYER || op == OP_DIRECTIONAL_FACTOR || splits;
+        }
+        if angular {
+            return bsdf_albedo_sampled(program, p, point, wo);
+        }
+        bsdf_albedo_closed(program, p, point, wo)
+    }
+
+    /// The mean weight of samples at points that fill the cube evenly (M. Roberts, "The Unreasonable
+    /// Effectiveness of Quasirandom Sequences", 2018: powers of the inverse root of x⁴ = x + 1).
+    pub fn bsdf_albedo_sampled(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut result: BsdfAlbedo = BsdfAlbedo { diffuse: splat3(0.0), glossy: splat3(0.0) };
+        let share = 1.0 / f32(ALBEDO_POINTS);
+        #[wgsl_allow(non_literal_loop_bounds)]
+        for i in 0..ALBEDO_POINTS {
+            let k = f32(i) + 0.5;
+            let u = vec3f(k * 0.8191725, k * 0.6710436, k * 0.5497005);
+            let s = bsdf_sample(program, p, point, wo, u - floor(u));
+            if (s.event & EVENT_SPECULAR) != 0 {
+                result.glossy += s.weight * share;
+            } else if s.event != EVENT_ABSORB {
+                let v = bsdf_eval(program, p, point, wo, s.wi);
+                result.diffuse += v.diffuse * (share / v.pdf);
+                result.glossy += v.glossy * (share / v.pdf);
+            }
+        }
+        BsdfAlbedo { diffuse: unit3(result.diffuse), glossy: unit3(result.glossy) }
+    }
+
+    /// The albedo of a tree without angular curves, lobe by lobe.
+    pub fn bsdf_albedo_closed(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut result: BsdfAlbedo = BsdfAlbedo { diffuse: splat3(0.0), glossy: splat3(0.0) };
+        let mut visit: Visit = visit_root();
+        let mut stack: [Visit; 6] = [visit, visit, visit, visit, visit, visit];
+        let mut depth: u32 = 0;
+        let mut running: bool = true;
+        while running {
+            let n = bsdf_node(program, visit.node);
+            let op = n.x & OP_MASK;
+            if op >= OP_WEIGHTED_LAYER {
+                let own = layer_normal(n, visit.normal);
+                let share = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
+                let layer = Visit {
+                    node: layer_child(n, visit.node),
+                    weight: visit.weight * share,
+                    prob: 1.0,
+                    normal: own,
+                };
+                let base = Visit {
+                    node: base_child(n, visit.node),
+                    weight: visit.weight * (splat3(1.0) - share),
+                    prob: 1.0,
+                    normal: visit.normal,
+                };
+                stack[depth as usize] = visit_later(n, layer, base);
+                visit = visit_now(n, layer, base);
+                depth += 1;
+            } else if op >= OP_TINT {
+                visit.weight *= modifier_factor(n, p, visit.normal, wo, wo, false);
+                visit.node += 1;
+            } else {
+                let leaf = leaf_albedo(n, p, point, visit.normal, wo);
+                result.diffuse += visit.weight * leaf.diffuse;
+                result.glossy += visit.weight * leaf.glossy;
+                running = depth > 0;
+                if running {
+                    depth -= 1;
+                    visit = stack[depth as usize];
+                }
+            }
+        }
+        result
+    }
+
+    /// Albedo of the lobe at node `n`, tint included.
+    pub fn leaf_albedo(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        normal: u32,
+        wo: Vec3f,
+    ) -> BsdfAlbedo {
+        let mut result: BsdfAlbedo = BsdfAlbedo { diffuse: splat3(0.0), glossy: splat3(0.0) };
+        let op = n.x & OP_MASK;
+        let o = frame_to_local(node_frame(n, p, normal), wo);
+        if op == OP_BLACK || o.z <= 0.0 {
+            return result;
+        }
+        let tint = unit3(param3(p, n.y + SLOT_TINT));
+        if op == OP_DIFFUSE_REFLECTION {
+            let lobe = diffuse_reflection_new(param(p, n.y + SLOT_DIFFUSE_ROUGHNESS));
+            let single = diffuse_reflection_albedo(lobe, o.z);
+            result.diffuse = tint * single;
+            if (n.x & FLAG_COLOR) != 0 {
+                let multiple = unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE));
+                result.diffuse += multiple * (1.0 - single);
+            }
+        } else if op == OP_DIFFUSE_TRANSMISSION {
+            result.diffuse = tint;
+        } else if op == OP_SPECULAR {
+            result.glossy = tint;
+        } else if op == OP_GGX_SMITH {
+            result.glossy = tint * ggx_albedo(node_ggx(n, p, point), o);
+        }
+        result
+    }
+
+    /// `u` after a choice with probability `prob` used part of it: uniform again, and below 1.
+    pub fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
+        let rest = select((u - prob) / (1.0 - prob), u / prob, chosen);
+        clamp(rest, 0.0, 0.99999994)
+    }
+
+    /// A direction from the whole tree: `u.xy` place it, `u.z` chooses the lobe and what a lobe chooses.
+    pub fn bsdf_sample(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+        u: Vec3f,
+    ) -> BsdfSample {
+        let mut result: BsdfSample =
+            BsdfSample { wi: vec3f(0.0, 0.0, 1.0), pdf: 0.0, weight: splat3(0.0), event: EVENT_ABSORB };
+        let mut node: u32 = 0;
+        let mut normal: u32 = NO_SLOT;
+        let mut prob: f32 = 1.0;
+        let mut uz: f32 = u.z;
+        let mut n: Vec4u = bsdf_node(program, node);
+        while (n.x & OP_MASK) >= OP_TINT {
+            if (n.x & OP_MASK) >= OP_WEIGHTED_LAYER {
+                let own = layer_normal(n, normal);
+                let z = normal_at(p, own);
+                let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
+                let q = layer_probability(n, p, seen);
+                let layer = uz < q;
+                uz = reuse_random(uz, q, layer);
+                prob *= select(1.0 - q, q, layer);
+                node = select(base_child(n, node), layer_child(n, node), layer);
+                normal = select(normal, own, layer);
+            } else {
+                node += 1;
+            }
+            n = bsdf_node(program, node);
+        }
+        let s = leaf_sample(n, p, point, normal, wo, vec3f(u.x, u.y, uz));
+        let transmits = (s.event & EVENT_TRANSMISSION) != 0;
+        let crosses = dot(point.geometry_normal, s.wi) < 0.0;
+        if s.event == EVENT_ABSORB || transmits != crosses {
+            return result;
+        }
+        if (s.event & EVENT_SPECULAR) != 0 {
+            let v = bsdf_visit(program, p, point, wo, s.wi, node);
+            result.weight = v.specular * unit3(param3(p, n.y + SLOT_TINT)) * (1.0 / prob);
+            result.wi = s.wi;
+            result.event = s.event;
+            return result;
+        }
+        let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
+        if v.pdf > 0.0 {
+            result.weight = (v.diffuse + v.glossy) * (1.0 / v.pdf);
+            result.wi = s.wi;
+            result.pdf = v.pdf;
+            result.event = s.event;
+        }
+        result
+    }
+}
+pub use code::*;

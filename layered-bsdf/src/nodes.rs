@@ -1,0 +1,119 @@
+//! The flat form of a tree of distribution functions: node words, parameter slots.
+//!
+//! A program is an array of nodes in preorder. A node is four words:
+//!
+//! | word | meaning |
+//! |---|---|
+//! | x | operation (`OP_*`), plus flags (`FLAG_*`) |
+//! | y | first parameter slot |
+//! | z | for layers: index of the second child; the first child is the next node |
+//! | w | scatter mode (`MODE_*`) of lobes that have one |
+//!
+//! Parameters lie in one array of floats per shading point, [`Params`]; the slots of a node are
+//! consecutive, in the order of the `SLOT_*` constants here. Optional parts stand last and are announced
+//! by flags.
+
+use wgsl_rs::wgsl;
+
+#[wgsl]
+pub mod code {
+    //! Shared with the GPU.
+    use wgsl_rs::std::*;
+
+    /// Most nodes of a program.
+    pub const MAX_NODES: u32 = 64;
+    /// Most parameter slots of a program.
+    pub const MAX_PARAMS: u32 = 384;
+    /// Deepest stack of pending children: the child that needs less comes first, so the depth is at most
+    /// the logarithm of the number of leaves.
+    pub const MAX_STACK: u32 = 6;
+
+    /// Mask of the operation in the first word.
+    pub const OP_MASK: u32 = 0xff;
+    /// Absorbs everything.
+    pub const OP_BLACK: u32 = 0;
+    /// Diffuse reflection: tint, roughness, [multiple scattering tint].
+    pub const OP_DIFFUSE_REFLECTION: u32 = 1;
+    /// Diffuse transmission: tint.
+    pub const OP_DIFFUSE_TRANSMISSION: u32 = 2;
+    /// Specular: tint.
+    pub const OP_SPECULAR: u32 = 3;
+    /// GGX microfacets: tint, roughness u and v, [tangent].
+    pub const OP_GGX_SMITH: u32 = 4;
+    /// Tint of one child: colour, [colour for transmission].
+    pub const OP_TINT: u32 = 16;
+    /// Uniform scale of one child, not limited to 1: factor as colour.
+    pub const OP_SCALE: u32 = 17;
+    /// Tint by direction: colour at normal incidence, at grazing incidence, exponent, [colour at 82°].
+    pub const OP_DIRECTIONAL_FACTOR: u32 = 18;
+    /// Layer by weight: importances, weight, [normal].
+    pub const OP_WEIGHTED_LAYER: u32 = 32;
+    /// Layer by Fresnel's equations: importances, weight, index of refraction (one), [normal].
+    pub const OP_FRESNEL_LAYER: u32 = 33;
+    /// Layer by Fresnel's equations: importances, weight, index of refraction (three), [normal].
+    pub const OP_COLOR_FRESNEL_LAYER: u32 = 34;
+    /// Layer by Schlick's curve: importances, weight, reflectivity at normal and grazing incidence,
+    /// exponent, [normal], [colour at 82°].
+    pub const OP_CUSTOM_CURVE_LAYER: u32 = 35;
+    /// Diffuse emission; no parameters.
+    pub const OP_DIFFUSE_EDF: u32 = 64;
+
+    /// The lobe has a tangent; the layer has a normal.
+    pub const FLAG_VECTOR: u32 = 0x100;
+    /// A colour for multiple scattering, for transmission, or at 82°.
+    pub const FLAG_COLOR: u32 = 0x200;
+    /// The first child of a layer is its base.
+    pub const FLAG_BASE_FIRST: u32 = 0x400;
+
+    /// Slot of the tint of a lobe or modifier.
+    pub const SLOT_TINT: u32 = 0;
+    /// Slot of the roughness of diffuse reflection.
+    pub const SLOT_DIFFUSE_ROUGHNESS: u32 = 3;
+    /// Slot of the multiple scattering tint of diffuse reflection.
+    pub const SLOT_DIFFUSE_MULTIPLE: u32 = 4;
+    /// Slot of the roughness of a glossy lobe, u then v.
+    pub const SLOT_GLOSSY_ALPHA: u32 = 3;
+    /// Slot of the tangent of a glossy lobe.
+    pub const SLOT_GLOSSY_TANGENT: u32 = 5;
+    /// Slot of the second colour of a tint.
+    pub const SLOT_TINT_TRANSMISSION: u32 = 3;
+    /// Slot of the tint at grazing incidence.
+    pub const SLOT_FACTOR_GRAZING: u32 = 3;
+    /// Slot of the exponent of a directional factor.
+    pub const SLOT_FACTOR_EXPONENT: u32 = 6;
+    /// Slot of the colour at 82° of a directional factor.
+    pub const SLOT_FACTOR_F82: u32 = 7;
+    /// Slots of the importances of layer and base: what selection probabilities are weighted by.
+    pub const SLOT_LAYER_IMPORTANCE: u32 = 0;
+    /// Slot of the weight of a layer, a colour.
+    pub const SLOT_LAYER_WEIGHT: u32 = 2;
+    /// First slot of what a kind of layer has beyond its weight.
+    pub const SLOT_LAYER_CURVE: u32 = 5;
+
+    /// The parameters of a program at a shading point.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Params {
+        /// By slot.
+        pub v: [f32; 384],
+    }
+
+    /// A program: `count` nodes in preorder.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Program {
+        /// Number of nodes, at least 1.
+        pub count: u32,
+        /// The nodes.
+        pub nodes: [Vec4u; 64],
+    }
+
+    /// The parameter in a slot.
+    pub fn param(p: ptr!(function, Params), slot: u32) -> f32 {
+        p.v[slot as usize]
+    }
+
+    /// The three parameters from a slot on.
+    pub fn param3(p: ptr!(function, Params), slot: u32) -> Vec3f {
+        vec3f(p.v[slot as usize], p.v[(slot + 1) as usize], p.v[(slot + 2) as usize])
+    }
+}
+pub use code::*;

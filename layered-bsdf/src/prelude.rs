@@ -1,0 +1,12 @@
+//! What a user of the library imports: the evaluator, its data, and the vector types they use.
+
+pub use crate::curves::{POINT_INSIDE, POINT_THIN_WALLED, ShadingPoint, shading_point};
+pub use crate::edf::{EdfValue, edf_eval, edf_sample};
+pub use crate::evaluator::{BsdfAlbedo, BsdfSample, BsdfValue, bsdf_albedo, bsdf_eval, bsdf_sample};
+pub use crate::lobes::{
+    EVENT_ABSORB, EVENT_DIFFUSE, EVENT_GLOSSY, EVENT_REFLECTION, EVENT_SPECULAR, EVENT_TRANSMISSION,
+    LobeSample,
+};
+pub use crate::nodes::{MAX_NODES, MAX_PARAMS, Params, Program};
+pub use crate::program::{Curve, LayerProgram, ProgramError, ScatterMode, Slot, Tree};
+pub use wgsl_rs::std::{Vec2f, Vec3f, vec2f, vec3f};

@@ -1,0 +1,432 @@
+//! From a tree of distribution functions to the flat program that the evaluator runs.
+//!
+//! [`Tree`] is generic over what a parameter is: `f32` where the values are known, a value node of a
+//! graph where they are computed per shading point. [`LayerProgram::new`] lays the nodes out and says
+//! which parameter belongs into which slot.
+
+use crate::nodes::*;
+use wgsl_rs::std::{Vec4u, vec4u};
+
+/// How a lobe scatters (MDL `df::scatter_mode`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ScatterMode {
+    /// Reflection only.
+    Reflect,
+    /// Transmission only; total internal reflection reflects.
+    Transmit,
+    /// Both, by Fresnel's equations.
+    ReflectTransmit,
+}
+
+/// A tree of distribution functions with parameters of type `P`.
+///
+/// Colours are limited to [0, 1] and weights to [0, 1] when evaluated; a NaN counts as 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tree<P> {
+    /// Absorbs, or emits nothing.
+    Black,
+    /// `df::diffuse_reflection_bsdf`
+    DiffuseReflection {
+        /// Reflected share.
+        tint: [P; 3],
+        /// 0 (Lambert) to 1.
+        roughness: P,
+        /// Tint of the multiple scattering lobe; none if it is black.
+        multiscatter_tint: Option<[P; 3]>,
+    },
+    /// `df::diffuse_transmission_bsdf`
+    DiffuseTransmission {
+        /// Transmitted share.
+        tint: [P; 3],
+    },
+    /// `df::specular_bsdf`
+    Specular {
+        /// Scattered share.
+        tint: [P; 3],
+        /// Reflection, transmission or both.
+        mode: ScatterMode,
+    },
+    /// `df::microfacet_ggx_smith_bsdf`
+    GgxSmith {
+        /// Scattered share.
+        tint: [P; 3],
+        /// Roughness (alpha) along the tangent.
+        roughness_u: P,
+        /// Roughness (alpha) across the tangent.
+        roughness_v: P,
+        /// Reflection, transmission or both.
+        mode: ScatterMode,
+        /// Tangent in the local frame, any length; none if the lobe is isotropic.
+        tangent: Option<[P; 3]>,
+    },
+    /// `df::tint`
+    Tint {
+        /// Factor; of reflection alone if `transmission` is given.
+        tint: [P; 3],
+        /// Factor of transmission.
+        transmission: Option<[P; 3]>,
+        /// What is tinted.
+        base: Box<Tree<P>>,
+    },
+    /// A factor that may exceed 1, for mixes that are not normalised.
+    Scale {
+        /// Factor, not negative.
+        factor: [P; 3],
+        /// What is scaled.
+        base: Box<Tree<P>>,
+    },
+    /// `df::directional_factor`
+    DirectionalFactor {
+        /// Factor at normal incidence.
+        normal_tint: [P; 3],
+        /// Factor at grazing incidence.
+        grazing_tint: [P; 3],
+        /// Factor of the curve at 82°; none if it is white.
+        f82_factor: Option<[P; 3]>,
+        /// Exponent of Schlick's curve.
+        exponent: P,
+        /// What is tinted.
+        base: Box<Tree<P>>,
+    },
+    /// A layer over a base. Every mix is made of these: see `docs/layering.md`.
+    Layer {
+        /// How the layer's share depends on the angle.
+        curve: Curve<P>,
+        /// Weight of the layer.
+        weight: [P; 3],
+        /// Shading normal of the layer in the local frame; none if it is the base's.
+        normal: Option<[P; 3]>,
+        /// On top.
+        layer: Box<Tree<P>>,
+        /// Below.
+        base: Box<Tree<P>>,
+    },
+    /// `df::diffuse_edf`
+    DiffuseEdf,
+}
+
+/// How the share of a layer depends on the angle; multiplied by the layer's weight.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Curve<P> {
+    /// Not at all (`df::weighted_layer`, `df::color_weighted_layer`).
+    Constant,
+    /// The reflectance of a dielectric (`df::fresnel_layer`).
+    Fresnel {
+        /// Index of refraction of the coating.
+        ior: P,
+    },
+    /// The same per colour channel (`df::color_fresnel_layer`).
+    ColorFresnel {
+        /// Index of refraction of the coating.
+        ior: [P; 3],
+    },
+    /// Schlick's curve (`df::custom_curve_layer`, `df::color_custom_curve_layer`).
+    Custom {
+        /// Reflectivity at normal incidence.
+        normal_reflectivity: [P; 3],
+        /// Reflectivity at grazing incidence.
+        grazing_reflectivity: [P; 3],
+        /// Factor of the curve at 82°; none if it is white.
+        f82_factor: Option<[P; 3]>,
+        /// Exponent.
+        exponent: P,
+    },
+}
+
+/// What a parameter slot holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slot<P> {
+    /// A parameter of the tree.
+    Value(P),
+    /// A value that [`LayerProgram::prepare`] derives from the others.
+    Derived,
+}
+
+/// Why a tree cannot be a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ProgramError {
+    /// More nodes than [`MAX_NODES`].
+    #[error("a tree of distribution functions has more than {MAX_NODES} nodes")]
+    TooManyNodes,
+    /// More parameters than [`MAX_PARAMS`].
+    #[error("a tree of distribution functions has more than {MAX_PARAMS} parameters")]
+    TooManyParams,
+}
+
+/// A flat program and where its parameters come from.
+#[derive(Clone, Debug)]
+pub struct LayerProgram {
+    nodes: Vec<Vec4u>,
+    slots: u32,
+}
+
+impl LayerProgram {
+    /// Lays out `tree`. The second result has an entry per slot.
+    pub fn new<P: Copy>(tree: &Tree<P>) -> Result<(Self, Vec<Slot<P>>), ProgramError> {
+        let mut layout = Layout { nodes: Vec::new(), slots: Vec::new() };
+        layout.push(tree)?;
+        let slots = layout.slots.len() as u32;
+        Ok((Self { nodes: layout.nodes, slots }, layout.slots))
+    }
+
+    /// The program and parameters of a tree whose values are known.
+    pub fn with_values(tree: &Tree<f32>) -> Result<(Self, Params), ProgramError> {
+        let (program, slots) = Self::new(tree)?;
+        let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
+        for (param, slot) in params.v.iter_mut().zip(&slots) {
+            if let Slot::Value(value) = slot {
+                *param = *value;
+            }
+        }
+        program.prepare(&mut params, |_| false);
+        Ok((program, params))
+    }
+
+    /// Number of parameter slots.
+    pub fn slots(&self) -> usize {
+        self.slots as usize
+    }
+
+    /// Nodes in preorder, as [`crate::nodes`] describes them.
+    pub fn nodes(&self) -> &[Vec4u] {
+        &self.nodes
+    }
+
+    /// The form that the evaluator takes.
+    pub fn to_program(&self) -> Program {
+        let mut program =
+            Program { count: self.nodes.len() as u32, nodes: [vec4u(0, 0, 0, 0); MAX_NODES as usize] };
+        program.nodes[..self.nodes.len()].copy_from_slice(&self.nodes);
+        program
+    }
+
+    /// Whether nothing is ever scattered or emitted.
+    pub fn is_black(&self) -> bool {
+        self.nodes[0].x & OP_MASK == OP_BLACK
+    }
+
+    /// Whether a lobe can send light to the other side.
+    pub fn transmits(&self) -> bool {
+        use crate::lobes::MODE_REFLECT;
+        self.nodes.iter().any(|n| match n.x & OP_MASK {
+            OP_DIFFUSE_TRANSMISSION => true,
+            OP_SPECULAR | OP_GGX_SMITH => n.w != MODE_REFLECT,
+            _ => false,
+        })
+    }
+
+    /// Whether every lobe is specular, so that light sampling cannot contribute.
+    pub fn is_specular(&self) -> bool {
+        let mut leaves = self.nodes.iter().map(|n| n.x & OP_MASK).filter(|&op| op < OP_TINT);
+        leaves.all(|op| op == OP_SPECULAR || op == OP_BLACK)
+    }
+
+    /// Fills the derived slots: how much each child of a layer can contribute, which selection
+    /// probabilities are weighted by. A slot that `varying` names counts as its typical value, so the
+    /// derived slots are uniform and need computing once per edit of a material's arguments.
+    pub fn prepare(&self, params: &mut Params, varying: impl Fn(usize) -> bool) {
+        let mut importance = vec![0.0f32; self.nodes.len()];
+        for index in (0..self.nodes.len()).rev() {
+            importance[index] = self.node_importance(index, &importance, params, &varying);
+            let n = self.nodes[index];
+            if n.x & OP_MASK < OP_WEIGHTED_LAYER || n.x & OP_MASK == OP_DIFFUSE_EDF {
+                continue;
+            }
+            let (layer, base) = self.children(index);
+            let slot = (n.y + SLOT_LAYER_IMPORTANCE) as usize;
+            params.v[slot] = importance[layer];
+            params.v[slot + 1] = importance[base];
+        }
+    }
+
+    /// Layer and base of the layer at `index`.
+    fn children(&self, index: usize) -> (usize, usize) {
+        let n = self.nodes[index];
+        let (first, second) = (index + 1, n.z as usize);
+        if n.x & FLAG_BASE_FIRST != 0 { (second, first) } else { (first, second) }
+    }
+
+    /// How much energy node `index` can scatter, 0 to 1, given that of the nodes behind it.
+    fn node_importance(
+        &self,
+        index: usize,
+        importance: &[f32],
+        params: &Params,
+        varying: &impl Fn(usize) -> bool,
+    ) -> f32 {
+        let n = self.nodes[index];
+        let brightest = |slot: u32| {
+            let slot = slot as usize;
+            if (slot..slot + 3).any(varying) {
+                1.0
+            } else {
+                params.v[slot..slot + 3].iter().fold(0.0f32, |m, &v| m.max(v)).min(1.0)
+            }
+        };
+        let op = n.x & OP_MASK;
+        match op {
+            OP_BLACK => 0.0,
+            OP_DIFFUSE_EDF => 1.0,
+            OP_DIFFUSE_REFLECTION if n.x & FLAG_COLOR != 0 => {
+                brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_DIFFUSE_MULTIPLE))
+            }
+            OP_TINT if n.x & FLAG_COLOR != 0 => {
+                brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_TINT_TRANSMISSION))
+                    * importance[index + 1]
+            }
+            OP_DIRECTIONAL_FACTOR => {
+                brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_FACTOR_GRAZING)) * importance[index + 1]
+            }
+            OP_TINT | OP_SCALE => brightest(n.y + SLOT_TINT) * importance[index + 1],
+            _ if op < OP_TINT => brightest(n.y + SLOT_TINT),
+            _ => {
+                let (layer, base) = self.children(index);
+                // A varying or angular weight: somewhere in between.
+                let slot = (n.y + SLOT_LAYER_WEIGHT) as usize;
+                let known = op == OP_WEIGHTED_LAYER && !(slot..slot + 3).any(varying);
+                let weight = if known { brightest(slot as u32) } else { 0.5 };
+                weight * importance[layer] + (1.0 - weight) * importance[base]
+            }
+        }
+    }
+}
+
+/// A program under construction.
+struct Layout<P> {
+    nodes: Vec<Vec4u>,
+    slots: Vec<Slot<P>>,
+}
+
+impl<P: Copy> Layout<P> {
+    /// Appends a subtree; gives the stack depth that its visit needs.
+    fn push(&mut self, tree: &Tree<P>) -> Result<u32, ProgramError> {
+        match tree {
+            Tree::Black => self.node(OP_BLACK, 0).map(|_| 0),
+            Tree::DiffuseEdf => self.node(OP_DIFFUSE_EDF, 0).map(|_| 0),
+            Tree::DiffuseReflection { tint, roughness, multiscatter_tint } => {
+                self.node(OP_DIFFUSE_REFLECTION | flag(multiscatter_tint, FLAG_COLOR), 0)?;
+                self.values(&[tint, &[*roughness], optional(multiscatter_tint)])
+            }
+            Tree::DiffuseTransmission { tint } => {
+                self.node(OP_DIFFUSE_TRANSMISSION, 0)?;
+                self.values(&[tint])
+            }
+            Tree::Specular { tint, mode } => {
+                self.node(OP_SPECULAR, mode_word(*mode))?;
+                self.values(&[tint])
+            }
+            Tree::GgxSmith { tint, roughness_u, roughness_v, mode, tangent } => {
+                self.node(OP_GGX_SMITH | flag(tangent, FLAG_VECTOR), mode_word(*mode))?;
+                self.values(&[tint, &[*roughness_u, *roughness_v], optional(tangent)])
+            }
+            Tree::Tint { tint, transmission, base } => {
+                self.node(OP_TINT | flag(transmission, FLAG_COLOR), 0)?;
+                self.values(&[tint, optional(transmission)])?;
+                self.push(base)
+            }
+            Tree::Scale { factor, base } => {
+                self.node(OP_SCALE, 0)?;
+                self.values(&[factor])?;
+                self.push(base)
+            }
+            Tree::DirectionalFactor { normal_tint, grazing_tint, f82_factor, exponent, base } => {
+                self.node(OP_DIRECTIONAL_FACTOR | flag(f82_factor, FLAG_COLOR), 0)?;
+                self.values(&[normal_tint, grazing_tint, &[*exponent], optional(f82_factor)])?;
+                self.push(base)
+            }
+            Tree::Layer { curve, weight, normal, layer, base } => {
+                self.layer(curve, weight, normal, layer, base)
+            }
+        }
+    }
+
+    /// Appends a layer: its node, its slots, and the child first whose visit needs less stack.
+    fn layer(
+        &mut self,
+        curve: &Curve<P>,
+        weight: &[P; 3],
+        normal: &Option<[P; 3]>,
+        layer: &Tree<P>,
+        base: &Tree<P>,
+    ) -> Result<u32, ProgramError> {
+        let op = match curve {
+            Curve::Constant => OP_WEIGHTED_LAYER,
+            Curve::Fresnel { .. } => OP_FRESNEL_LAYER,
+            Curve::ColorFresnel { .. } => OP_COLOR_FRESNEL_LAYER,
+            Curve::Custom { f82_factor, .. } => OP_CUSTOM_CURVE_LAYER | flag(f82_factor, FLAG_COLOR),
+        };
+        let base_first = layer.stack_need() > base.stack_need();
+        let order = if base_first { FLAG_BASE_FIRST } else { 0 };
+        let node = self.node(op | order | flag(normal, FLAG_VECTOR), 0)?;
+        self.slots.extend([Slot::Derived, Slot::Derived]);
+        self.values(&[weight])?;
+        match curve {
+            Curve::Constant => self.values(&[optional(normal)])?,
+            Curve::Fresnel { ior } => self.values(&[&[*ior], optional(normal)])?,
+            Curve::ColorFresnel { ior } => self.values(&[ior, optional(normal)])?,
+            Curve::Custom { normal_reflectivity, grazing_reflectivity, f82_factor, exponent } => {
+                let f82 = optional(f82_factor);
+                self.values(&[
+                    normal_reflectivity,
+                    grazing_reflectivity,
+                    &[*exponent],
+                    f82,
+                    optional(normal),
+                ])?
+            }
+        };
+        let (first, second) = if base_first { (base, layer) } else { (layer, base) };
+        let first_need = self.push(first)?;
+        self.nodes[node].z = self.nodes.len() as u32;
+        let second_need = self.push(second)?;
+        Ok(second_need.max(first_need + 1))
+    }
+
+    fn node(&mut self, op: u32, mode: u32) -> Result<usize, ProgramError> {
+        if self.nodes.len() == MAX_NODES as usize {
+            return Err(ProgramError::TooManyNodes);
+        }
+        self.nodes.push(vec4u(op, self.slots.len() as u32, 0, mode));
+        Ok(self.nodes.len() - 1)
+    }
+
+    fn values(&mut self, groups: &[&[P]]) -> Result<u32, ProgramError> {
+        for group in groups {
+            self.slots.extend(group.iter().map(|&value| Slot::Value(value)));
+        }
+        if self.slots.len() > MAX_PARAMS as usize { Err(ProgramError::TooManyParams) } else { Ok(0) }
+    }
+}
+
+impl<P> Tree<P> {
+    /// Entries of the evaluator's stack that a visit needs. With the needier child second this is at most
+    /// the logarithm of the number of leaves: to need d + 1, both children must need d.
+    fn stack_need(&self) -> u32 {
+        match self {
+            Tree::Tint { base, .. } | Tree::Scale { base, .. } | Tree::DirectionalFactor { base, .. } => {
+                base.stack_need()
+            }
+            Tree::Layer { layer, base, .. } => {
+                let (a, b) = (layer.stack_need(), base.stack_need());
+                a.max(b).max(a.min(b) + 1)
+            }
+            _ => 0,
+        }
+    }
+}
+
+fn flag<T>(value: &Option<T>, flag: u32) -> u32 {
+    if value.is_some() { flag } else { 0 }
+}
+
+fn optional<P>(value: &Option<[P; 3]>) -> &[P] {
+    value.as_ref().map_or(&[], |value| value)
+}
+
+fn mode_word(mode: ScatterMode) -> u32 {
+    match mode {
+        ScatterMode::Reflect => crate::lobes::MODE_REFLECT,
+        ScatterMode::Transmit => crate::lobes::MODE_TRANSMIT,
+        ScatterMode::ReflectTransmit => crate::lobes::MODE_REFLECT_TRANSMIT,
+    }
+}

@@ -1,0 +1,336 @@
+//! The one list: every distribution function with parameters worth testing, and what it promises.
+
+use crate::math::direction;
+use layered_bsdf::prelude::*;
+
+/// A tree in a situation.
+#[derive(Clone)]
+pub struct Case {
+    /// For messages.
+    pub name: String,
+    /// The tree.
+    pub tree: Tree<f32>,
+    /// Media and sides.
+    pub point: ShadingPoint,
+    /// All energy leaves, within 1e-3.
+    pub lossless: bool,
+    /// f(a, b)/ηb² = f(b, a)/ηa².
+    pub reciprocal: bool,
+}
+
+/// Everything that the evaluator needs for a case.
+pub struct Setup {
+    /// The flat program.
+    pub program: Program,
+    /// Its parameters.
+    pub params: Params,
+    /// Media and sides.
+    pub point: ShadingPoint,
+}
+
+impl Case {
+    /// Lays the tree out.
+    pub fn setup(&self) -> Setup {
+        let (program, params) = LayerProgram::with_values(&self.tree).expect("the list holds small trees");
+        Setup { program: program.to_program(), params, point: self.point }
+    }
+}
+
+impl Setup {
+    /// Value and density.
+    pub fn eval(&mut self, wo: Vec3f, wi: Vec3f) -> BsdfValue {
+        bsdf_eval(&mut self.program, &mut self.params, self.point, wo, wi)
+    }
+
+    /// A sample.
+    pub fn sample(&mut self, wo: Vec3f, u: [f32; 3]) -> BsdfSample {
+        bsdf_sample(&mut self.program, &mut self.params, self.point, wo, vec3f(u[0], u[1], u[2]))
+    }
+
+    /// The albedo.
+    pub fn albedo(&mut self, wo: Vec3f) -> BsdfAlbedo {
+        bsdf_albedo(&mut self.program, &mut self.params, self.point, wo)
+    }
+}
+
+/// Seen from the medium of index `near`, with `far` behind, no bump.
+pub fn point(near: f32, far: f32, flags: u32) -> ShadingPoint {
+    shading_point(vec3f(0.0, 0.0, 1.0), vec3f(near, near, near), vec3f(far, far, far), flags)
+}
+
+/// Directions that every case is looked at from: cosines down to 0.01.
+pub fn views() -> [Vec3f; 4] {
+    [direction(1.0, 0.0), direction(0.7, 0.4), direction(0.2, 2.5), direction(0.01, 4.0)]
+}
+
+/// White, as a tint.
+pub const WHITE: [f32; 3] = [1.0; 3];
+
+/// All cases.
+pub fn cases() -> Vec<Case> {
+    let mut list = Vec::new();
+    for kind in KINDS {
+        kind.cases(&mut list);
+    }
+    list
+}
+
+/// Every constructor of [`Tree`]; `kind_of` makes a missing one a compile error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Black,
+    DiffuseReflection,
+    DiffuseTransmission,
+    Specular,
+    GgxSmith,
+    Tint,
+    Scale,
+    DirectionalFactor,
+    Layer,
+    DiffuseEdf,
+}
+
+const KINDS: [Kind; 10] = [
+    Kind::Black,
+    Kind::DiffuseReflection,
+    Kind::DiffuseTransmission,
+    Kind::Specular,
+    Kind::GgxSmith,
+    Kind::Tint,
+    Kind::Scale,
+    Kind::DirectionalFactor,
+    Kind::Layer,
+    Kind::DiffuseEdf,
+];
+
+fn kind_of(tree: &Tree<f32>) -> Kind {
+    match tree {
+        Tree::Black => Kind::Black,
+        Tree::DiffuseReflection { .. } => Kind::DiffuseReflection,
+        Tree::DiffuseTransmission { .. } => Kind::DiffuseTransmission,
+        Tree::Specular { .. } => Kind::Specular,
+        Tree::GgxSmith { .. } => Kind::GgxSmith,
+        Tree::Tint { .. } => Kind::Tint,
+        Tree::Scale { .. } => Kind::Scale,
+        Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
+        Tree::Layer { .. } => Kind::Layer,
+        // Has tests of its own: it is no BSDF.
+        Tree::DiffuseEdf => Kind::DiffuseEdf,
+    }
+}
+
+#[test]
+fn every_kind_of_node_is_a_case() {
+    let list = cases();
+    for kind in KINDS {
+        let found = list.iter().any(|case| kind_of(&case.tree) == kind);
+        assert!(found || kind == Kind::DiffuseEdf, "{kind:?} has no case");
+    }
+}
+
+const MODES: [(ScatterMode, &str); 3] = [
+    (ScatterMode::Reflect, "reflect"),
+    (ScatterMode::Transmit, "transmit"),
+    (ScatterMode::ReflectTransmit, "reflect_transmit"),
+];
+
+/// Situations for what can transmit: into glass, out of it, and a thin sheet.
+fn transmission_points() -> [(ShadingPoint, &'static str); 3] {
+    [
+        (point(1.0, 1.5, 0), "into 1.5"),
+        (point(1.5, 1.0, POINT_INSIDE), "out of 1.5"),
+        (point(1.0, 1.5, POINT_THIN_WALLED), "thin"),
+    ]
+}
+
+impl Kind {
+    fn cases(self, list: &mut Vec<Case>) {
+        match self {
+            Kind::Black => {
+                add(list, "black", Tree::Black, point(1.0, 1.0, 0), false);
+            }
+            Kind::DiffuseReflection => {
+                add(list, "diffuse", diffuse(0.0), point(1.0, 1.0, 0), true);
+                add(list, "diffuse roughness 0.6", diffuse(0.6), point(1.0, 1.0, 0), false);
+                let full =
+                    Tree::DiffuseReflection { tint: WHITE, roughness: 1.0, multiscatter_tint: Some(WHITE) };
+                add(list, "diffuse roughness 1, multiple scattering", full, point(1.0, 1.0, 0), true);
+            }
+            Kind::DiffuseTransmission => {
+                let tree = Tree::DiffuseTransmission { tint: WHITE };
+                // Between different media Lambert's law on both sides would not be reciprocal.
+                add(list, "diffuse transmission", tree, point(1.0, 1.0, 0), true);
+            }
+            Kind::Specular => {
+                for (mode, name) in MODES {
+                    for (point, side) in transmission_points() {
+                        let tree = Tree::Specular { tint: WHITE, mode };
+                        add(list, &format!("specular {name} {side}"), tree, point, true);
+                    }
+                }
+            }
+            Kind::GgxSmith => ggx_cases(list),
+            Kind::Tint => {
+                let tree = Tree::Tint {
+                    tint: [0.8, 0.5, 0.2],
+                    transmission: Some([0.1, 0.6, 0.9]),
+                    base: Box::new(ggx(0.4, 0.4, ScatterMode::ReflectTransmit)),
+                };
+                add(list, "tint", tree, point(1.0, 1.5, 0), false);
+            }
+            Kind::Scale => {
+                let tree = Tree::Scale { factor: [0.5, 0.25, 0.125], base: Box::new(diffuse(0.0)) };
+                add(list, "scale", tree, point(1.0, 1.0, 0), false);
+            }
+            Kind::DirectionalFactor => {
+                for f82_factor in [None, Some([0.4, 0.6, 0.8])] {
+                    let tree = Tree::DirectionalFactor {
+                        normal_tint: [0.9, 0.6, 0.3],
+                        grazing_tint: WHITE,
+                        f82_factor,
+                        exponent: 5.0,
+                        base: Box::new(ggx(0.3, 0.3, ScatterMode::Reflect)),
+                    };
+                    add(
+                        list,
+                        &format!("directional factor, f82 {f82_factor:?}"),
+                        tree,
+                        point(1.0, 1.0, 0),
+                        false,
+                    );
+                }
+            }
+            Kind::Layer => layer_cases(list),
+            Kind::DiffuseEdf => {}
+        }
+    }
+}
+
+fn ggx_cases(list: &mut Vec<Case>) {
+    for alpha in [1.0, 0.5, 0.1, 0.01, 1e-3] {
+        let tree = ggx(alpha, alpha, ScatterMode::Reflect);
+        add(list, &format!("ggx reflect {alpha}"), tree, point(1.0, 1.5, 0), false);
+        for (mode, name) in &MODES[1..] {
+            for (point, side) in transmission_points() {
+                add(list, &format!("ggx {name} {alpha} {side}"), ggx(alpha, alpha, *mode), point, false);
+            }
+        }
+    }
+    for (u, v) in [(1.0, 0.05), (0.02, 0.4), (1.0, 1e-3)] {
+        for (mode, name) in MODES {
+            let tree = Tree::GgxSmith {
+                tint: WHITE,
+                roughness_u: u,
+                roughness_v: v,
+                mode,
+                tangent: Some([0.6, 0.7, 0.2]),
+            };
+            add(list, &format!("ggx {name} {u} x {v}"), tree, point(1.0, 1.5, 0), false);
+        }
+    }
+}
+
+fn layer_cases(list: &mut Vec<Case>) {
+    let air = point(1.0, 1.5, 0);
+    let inside = point(1.5, 1.0, POINT_INSIDE);
+    let custom = |f82_factor| Curve::Custom {
+        normal_reflectivity: [0.04, 0.05, 0.06],
+        grazing_reflectivity: [1.0, 0.9, 0.8],
+        f82_factor,
+        exponent: 5.0,
+    };
+    for (name, curve) in [
+        ("weighted", Curve::Constant),
+        ("fresnel", Curve::Fresnel { ior: 1.5 }),
+        ("color fresnel", Curve::ColorFresnel { ior: [1.4, 1.6, 2.0] }),
+        ("custom curve", custom(None)),
+        ("custom curve f82", custom(Some([0.5, 0.6, 0.7]))),
+    ] {
+        let coat = layer(curve.clone(), 0.7, None, ggx(0.2, 0.2, ScatterMode::Reflect), diffuse(0.0));
+        add(list, &format!("{name} layer, glossy over diffuse"), coat, air, false);
+        let mirror = Tree::Specular { tint: WHITE, mode: ScatterMode::Reflect };
+        let coat = layer(curve, 0.7, None, mirror, diffuse(0.0));
+        add(list, &format!("{name} layer, mirror over diffuse"), coat, air, name == "weighted");
+    }
+    let bumped = layer(
+        Curve::Fresnel { ior: 1.5 },
+        1.0,
+        Some([0.2, -0.1, 0.9]),
+        ggx(0.2, 0.2, ScatterMode::Reflect),
+        diffuse(0.4),
+    );
+    add(list, "fresnel layer with a normal", bumped, air, false);
+    list.last_mut().expect("just added").reciprocal = false;
+    let glass = layer(
+        Curve::Fresnel { ior: 1.2 },
+        1.0,
+        None,
+        Tree::Specular { tint: WHITE, mode: ScatterMode::Reflect },
+        ggx(0.3, 0.3, ScatterMode::ReflectTransmit),
+    );
+    for (name, point) in [("over", air), ("under", inside)] {
+        add(list, &format!("fresnel layer {name} rough glass"), glass.clone(), point, false);
+        // The layer's curve is looked up on both sides of the glass with the angle there.
+        list.last_mut().expect("just added").reciprocal = false;
+    }
+    let mix = layer(
+        Curve::Constant,
+        0.3,
+        None,
+        layer(Curve::Constant, 0.5, None, diffuse(0.0), Tree::DiffuseTransmission { tint: WHITE }),
+        layer(
+            Curve::Constant,
+            0.8,
+            None,
+            Tree::Specular { tint: WHITE, mode: ScatterMode::Transmit },
+            diffuse(0.0),
+        ),
+    );
+    add(list, "mix of mixes", mix, point(1.0, 1.0, 0), true);
+    add(list, "deep chain", chain(12), air, false);
+}
+
+/// Alternating layers, left and right heavy, to exercise the order of visits.
+fn chain(depth: u32) -> Tree<f32> {
+    (0..depth).fold(diffuse(0.0), |tree, i| {
+        let other = ggx(0.1 + 0.05 * i as f32, 0.2, ScatterMode::Reflect);
+        let (top, base) = if i % 3 == 0 { (tree, other) } else { (other, tree) };
+        layer(
+            Curve::Custom {
+                normal_reflectivity: [0.3; 3],
+                grazing_reflectivity: [0.9; 3],
+                f82_factor: None,
+                exponent: 3.0,
+            },
+            0.6,
+            None,
+            top,
+            base,
+        )
+    })
+}
+
+/// White diffuse reflection.
+pub fn diffuse(roughness: f32) -> Tree<f32> {
+    Tree::DiffuseReflection { tint: WHITE, roughness, multiscatter_tint: None }
+}
+
+/// A white GGX lobe without a tangent.
+pub fn ggx(roughness_u: f32, roughness_v: f32, mode: ScatterMode) -> Tree<f32> {
+    Tree::GgxSmith { tint: WHITE, roughness_u, roughness_v, mode, tangent: None }
+}
+
+/// A layer over a base.
+pub fn layer(
+    curve: Curve<f32>,
+    weight: f32,
+    normal: Option<[f32; 3]>,
+    layer: Tree<f32>,
+    base: Tree<f32>,
+) -> Tree<f32> {
+    Tree::Layer { curve, weight: [weight; 3], normal, layer: Box::new(layer), base: Box::new(base) }
+}
+
+fn add(list: &mut Vec<Case>, name: &str, tree: Tree<f32>, point: ShadingPoint, lossless: bool) {
+    list.push(Case { name: name.to_string(), tree, point, lossless, reciprocal: true });
+}

@@ -1,0 +1,463 @@
+//! Expressions of functions with a block.
+
+use super::Built;
+use super::builtin::floor;
+use super::lower::{ArgKey, Binding, Env, Lowerer};
+use super::nodes::fold_builtin;
+use crate::diagnostics::build as problems;
+use crate::graph::{BinaryOp, ExpressionId, NodeId, NodeKind, Op, Place, Stage, Statement};
+use crate::sema::hir::{ExprId, ExprKind, Field, FieldDefault, Function, FunctionKind};
+use crate::sema::ty::{DefId, Size, Ty};
+use crate::span::FileSpan;
+use crate::types::TypeId;
+use crate::value::Value;
+use std::rc::Rc;
+
+impl<'w> Lowerer<'_, 'w> {
+    /// Lowers an expression.
+    pub fn expr(&mut self, env: &mut Env<'w>, id: ExprId) -> Built<ExpressionId> {
+        let module = env.module;
+        let span = env.body.expr(id).span;
+        self.down(|| module.place(span))?;
+        let lowered = self.expr_kind(env, id);
+        self.b.up();
+        lowered
+    }
+
+    fn expr_kind(&mut self, env: &mut Env<'w>, id: ExprId) -> Built<ExpressionId> {
+        let body = env.body;
+        let expr = body.expr(id);
+        let place = env.place(expr.span);
+        let ty = self.ty(env, expr.ty, expr.span)?;
+        match &expr.kind {
+            ExprKind::Constant(value) => Ok(self.constant(value.clone(), ty, place)),
+            ExprKind::Local(_) | ExprKind::Member(..) | ExprKind::Index(..) => self.part_of_place(env, id),
+            ExprKind::Global(constant) => {
+                let node = self.b.global(*constant)?;
+                self.node(node, &place)
+            }
+            ExprKind::Size(symbol) => {
+                let size = self.b.size_of(&env.sizes, *symbol, place.clone())?;
+                Ok(self.constant(Value::Int(size as i32), TypeId::INT, place))
+            }
+            ExprKind::Default => {
+                let ty = self.sized(env, expr.ty, expr.span)?;
+                let node = self.b.default_of(ty)?;
+                self.node(node, &place)
+            }
+            ExprKind::Unary(op, x) => {
+                let x = self.expr(env, *x)?;
+                Ok(self.op(Op::Unary(*op), vec![x], ty, place))
+            }
+            ExprKind::Convert(x) => {
+                let x = self.expr(env, *x)?;
+                Ok(self.converted(x, ty, &place))
+            }
+            ExprKind::Binary(op @ (BinaryOp::And | BinaryOp::Or), x, y)
+                if ty == TypeId::BOOL && env.has_effect(*y) =>
+            {
+                let x = self.expr(env, *x)?;
+                self.short_circuit(env, *op, x, *y, &place)
+            }
+            ExprKind::Binary(op, x, y) => {
+                let args = self.operands(env, &[*x, *y])?;
+                Ok(self.op(Op::Binary(*op), args, ty, place))
+            }
+            ExprKind::Construct(parts) => {
+                let args = self.operands(env, parts)?;
+                Ok(self.op(Op::Construct, args, ty, place))
+            }
+            ExprKind::Struct(fields) => self.structure(env, fields, expr.ty, ty, &place),
+            ExprKind::Select(condition, x, y) => {
+                let (condition, x, y) = (*condition, *x, *y);
+                let condition = self.expr(env, condition)?;
+                if let Some(Value::Bool(condition)) = self.value(condition) {
+                    return self.expr(env, if *condition { x } else { y });
+                }
+                if env.has_effect(x) || env.has_effect(y) {
+                    return self.choose(env, ty, condition, x, y, &place);
+                }
+                let args = vec![condition, self.expr(env, x)?, self.expr(env, y)?];
+                Ok(self.op(Op::Select, args, ty, place))
+            }
+            ExprKind::Call(callee, args) => self.call(env, *callee, args, &place),
+            ExprKind::Resource(resource) => {
+                let option = |this: &mut Self, env: &mut Env<'w>, id: Option<ExprId>| match id {
+                    None => Ok(None),
+                    Some(id) => {
+                        let id = this.expr(env, id)?;
+                        Ok(Some(this.value(id).cloned()))
+                    }
+                };
+                let gamma = option(self, env, resource.gamma)?;
+                let selector = option(self, env, resource.selector)?;
+                let value = self.b.resource_value(resource, gamma, selector)?;
+                Ok(self.constant(value, ty, place))
+            }
+            ExprKind::Let(bindings, value) => {
+                for (local, value) in bindings {
+                    let value = self.expr(env, *value)?;
+                    env.bindings[local.0 as usize] = Some(self.fixed(value));
+                }
+                self.expr(env, *value)
+            }
+            ExprKind::Assign(target, value) => {
+                let target = self.place(env, *target, env.has_effect(*value))?;
+                let value = self.expr(env, *value)?;
+                self.pin(value);
+                self.store(target, value);
+                Ok(value)
+            }
+            ExprKind::AssignOp(op, target, value) => {
+                let target = self.place(env, *target, true)?;
+                let before = self.read(target.clone(), ty, place.clone());
+                if env.has_effect(*value) {
+                    self.pin(before);
+                }
+                let value = self.expr(env, *value)?;
+                let value = self.op(Op::Binary(*op), vec![before, value], ty, place);
+                self.pin(value);
+                self.store(target, value);
+                Ok(value)
+            }
+            ExprKind::Step(step, target) => {
+                let target = self.place(env, *target, true)?;
+                let before = self.read(target.clone(), ty, place.clone());
+                self.pin(before);
+                let one = self.one(ty, &place);
+                let op = if step.up { BinaryOp::Add } else { BinaryOp::Sub };
+                let after = self.op(Op::Binary(op), vec![before, one], ty, place);
+                self.pin(after);
+                self.store(target, after);
+                Ok(if step.prefix { after } else { before })
+            }
+            ExprKind::Sequence(x, y) => {
+                self.expr(env, *x)?;
+                self.expr(env, *y)
+            }
+            ExprKind::Category(x) => self.category(env, *x, expr.ty, ty, &place),
+            ExprKind::Error => self.b.abort(place, problems::NotSupported { what: "this expression" }),
+        }
+    }
+
+    /// Operands in order: one that comes before an operand with an effect is read before it.
+    pub fn operands(&mut self, env: &mut Env<'w>, ids: &[ExprId]) -> Built<Vec<ExpressionId>> {
+        let last_effect = ids.iter().rposition(|id| env.has_effect(*id));
+        let mut lowered = Vec::with_capacity(ids.len());
+        for (index, id) in ids.iter().enumerate() {
+            let operand = self.expr(env, *id)?;
+            if last_effect.is_some_and(|last| index < last) {
+                self.pin(operand);
+            }
+            lowered.push(operand);
+        }
+        Ok(lowered)
+    }
+
+    /// `1` of a type: what `++` adds.
+    pub fn one(&mut self, ty: TypeId, place: &FileSpan) -> ExpressionId {
+        let one = self.constant(Value::Int(1), TypeId::INT, place.clone());
+        self.converted(one, ty, place)
+    }
+
+    /// A value that does not change any more, as the binding of a name.
+    pub fn fixed(&mut self, id: ExpressionId) -> Binding {
+        match self.value(id).cloned() {
+            Some(value) => Binding::Constant(value, self.type_of(id)),
+            None => {
+                self.pin(id);
+                Binding::Value(id)
+            }
+        }
+    }
+
+    /// A choice of which only one side may be evaluated: a variable that both sides set.
+    fn choose(
+        &mut self,
+        env: &mut Env<'w>,
+        ty: TypeId,
+        condition: ExpressionId,
+        x: ExprId,
+        y: ExprId,
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let chosen = Place { local: self.local("".into(), ty), path: Vec::new() };
+        let mut side = |this: &mut Self, id: ExprId| {
+            let target = chosen.clone();
+            this.block(|this| {
+                let value = this.expr(env, id)?;
+                this.store(target, value);
+                Ok(())
+            })
+        };
+        let (then, otherwise) = (side(self, x)?, side(self, y)?);
+        self.out.push(Statement::If { condition, then, otherwise });
+        let value = self.read(chosen, ty, place.clone());
+        self.pin(value);
+        Ok(value)
+    }
+
+    /// `x && y` or `x || y` where `y` has an effect: it is evaluated only if `x` does not decide.
+    fn short_circuit(
+        &mut self,
+        env: &mut Env<'w>,
+        op: BinaryOp,
+        x: ExpressionId,
+        y: ExprId,
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let result = Place { local: self.local("".into(), TypeId::BOOL), path: Vec::new() };
+        self.store(result.clone(), x);
+        let condition = self.read(result.clone(), TypeId::BOOL, place.clone());
+        let target = result.clone();
+        let further = self.block(|this| {
+            let y = this.expr(env, y)?;
+            this.store(target, y);
+            Ok(())
+        })?;
+        let (then, otherwise) = match op {
+            BinaryOp::And => (further, Vec::new()),
+            _ => (Vec::new(), further),
+        };
+        self.out.push(Statement::If { condition, then, otherwise });
+        let value = self.read(result, TypeId::BOOL, place.clone());
+        self.pin(value);
+        Ok(value)
+    }
+
+    fn structure(
+        &mut self,
+        env: &mut Env<'w>,
+        fields: &[Option<ExprId>],
+        ty: Ty,
+        id: TypeId,
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let Some(owner) = ty.base.as_struct() else {
+            return self.b.abort(place.clone(), problems::NotSupported { what: "this struct" });
+        };
+        let given: Vec<ExprId> = fields.iter().flatten().copied().collect();
+        let mut given = self.operands(env, &given)?.into_iter();
+        let definition = self.b.structure(owner);
+        let mut parts = Vec::with_capacity(fields.len());
+        for (field, value) in definition.fields.iter().zip(fields) {
+            let value = if value.is_some() { given.next() } else { None };
+            parts.push(match value {
+                Some(value) => value,
+                None => self.field_default(owner, field, place)?,
+            });
+        }
+        Ok(self.op(Op::Construct, parts, id, place.clone()))
+    }
+
+    fn field_default(&mut self, owner: DefId, field: &'w Field, place: &FileSpan) -> Built<ExpressionId> {
+        let FieldDefault::Expr(id) = field.default else {
+            let node = self.b.field_default(owner, field)?;
+            return self.node(node, place);
+        };
+        let body = &self.b.structure(owner).body;
+        let mut env = Env {
+            module: self.b.module(owner),
+            body,
+            bindings: vec![None; body.locals.len()],
+            sizes: Vec::new(),
+            effects: Rc::new([]),
+        };
+        self.expr(&mut env, id)
+    }
+
+    fn category(
+        &mut self,
+        env: &mut Env<'w>,
+        x: ExprId,
+        to: Ty,
+        id: TypeId,
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let from = env.body.ty(x);
+        let (Some(from), Some(owner)) = (from.base.as_struct(), to.base.as_struct()) else {
+            return self.b.abort(place.clone(), problems::NotSupported { what: "this conversion" });
+        };
+        let x = self.expr(env, x)?;
+        self.pin(x);
+        let (source, target) = (self.b.structure(from), self.b.structure(owner));
+        let mut parts = Vec::with_capacity(target.fields.len());
+        for field in &target.fields {
+            let same =
+                source.fields.iter().position(|other| other.name == field.name && other.ty == field.ty);
+            parts.push(match same {
+                Some(index) => {
+                    let ty = self.b.types.known(field.ty);
+                    self.part(x, index as u32, ty, place)
+                }
+                None => self.field_default(owner, field, place)?,
+            });
+        }
+        Ok(self.op(Op::Construct, parts, id, place.clone()))
+    }
+
+    /// A node of the graph around as an expression: a constant, or what computes a default.
+    fn node(&mut self, id: NodeId, place: &FileSpan) -> Built<ExpressionId> {
+        let node = self.b.nodes.get(id).clone();
+        match node.kind {
+            NodeKind::Constant(value) => Ok(self.constant(value, node.ty, place.clone())),
+            NodeKind::Parameter(_) => {
+                self.b.abort(place.clone(), problems::NotSupported { what: "a parameter in a default" })
+            }
+            NodeKind::Op(op, args) => {
+                self.down(|| place.clone())?;
+                let args: Built<Vec<ExpressionId>> =
+                    args.into_iter().map(|arg| self.node(arg, place)).collect();
+                self.b.up();
+                self.note_stage(node.stage);
+                Ok(self.op(op, args?, node.ty, place.clone()))
+            }
+        }
+    }
+
+    fn note_stage(&mut self, stage: Stage) {
+        self.floor = self.floor.max(stage);
+        self.reads_state |= stage == Stage::Varying;
+    }
+
+    /// A call.
+    fn call(
+        &mut self,
+        env: &mut Env<'w>,
+        callee: DefId,
+        args: &[Option<ExprId>],
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let callee = self.b.definition(callee);
+        let function = self.b.function(callee);
+        let given: Vec<ExprId> = args.iter().flatten().copied().collect();
+        let given_all = given.len() == args.len();
+        let mut given = self.operands(env, &given)?.into_iter();
+        let mut inner = self.callee_env(callee, args.len());
+        let inlined = matches!(function.kind, FunctionKind::Expr(_));
+        let mut values = Vec::with_capacity(args.len());
+        for (index, arg) in args.iter().enumerate() {
+            let value = match arg.and_then(|_| given.next()) {
+                Some(value) => value,
+                None => self.default_arg(callee, &inner, index, place)?,
+            };
+            // Only the text of a function, or a default, refers to a parameter by name.
+            if inlined || !given_all {
+                inner.bindings[index] = Some(self.fixed(value));
+            }
+            self.bind_size(function, &mut inner, index, value, place)?;
+            values.push(value);
+        }
+        let result = self.ty(&inner, function.signature.result, place.span)?;
+        let value = match function.kind {
+            FunctionKind::Intrinsic => self.builtin(function, values, result, place),
+            FunctionKind::Expr(body) => return self.inline(callee, inner, body, &values),
+            FunctionKind::Block(_) => {
+                let constants = values.iter().map(|value| self.value(*value).cloned()).collect();
+                let instance = self.b.instance_of(callee, &inner.sizes, constants, place.clone())?;
+                let values = instance.runtime_args(&values);
+                self.note_stage(self.b.floors[instance.id.0 as usize]);
+                self.op(Op::Call(instance.id), values, result, place.clone())
+            }
+            FunctionKind::Prototype | FunctionKind::Forward(_) => {
+                let what = "a call of a function without definition";
+                return self.b.abort(place.clone(), problems::NotSupported { what });
+            }
+        };
+        if function.effects {
+            self.pin(value);
+        }
+        Ok(value)
+    }
+
+    fn callee_env(&mut self, callee: DefId, params: usize) -> Env<'w> {
+        let function = self.b.function(callee);
+        let body = &function.body;
+        Env {
+            module: self.b.module(callee),
+            body,
+            bindings: vec![None; body.locals.len().max(params)],
+            sizes: vec![None; function.signature.symbols.len()],
+            effects: self.b.effects(callee),
+        }
+    }
+
+    fn builtin(
+        &mut self,
+        function: &Function,
+        args: Vec<ExpressionId>,
+        ty: TypeId,
+        place: &FileSpan,
+    ) -> ExpressionId {
+        let name = &function.signature.qualified;
+        let values: Option<Vec<(Value, TypeId)>> =
+            args.iter().map(|arg| Some((self.value(*arg)?.clone(), self.type_of(*arg)))).collect();
+        if let Some(values) = values
+            && let Some(value) = fold_builtin(&self.b.types, self.b.folder, name, &values, ty)
+        {
+            return self.constant(value, ty, place.clone());
+        }
+        self.note_stage(floor(function));
+        self.op(Op::Builtin(name.clone()), args, ty, place.clone())
+    }
+
+    /// The body of an expression function in place of its call.
+    fn inline(
+        &mut self,
+        callee: DefId,
+        mut env: Env<'w>,
+        body: ExprId,
+        args: &[ExpressionId],
+    ) -> Built<ExpressionId> {
+        let key = |id: &ExpressionId| match self.value(*id) {
+            Some(value) => ArgKey::Constant(value.clone(), self.type_of(*id)),
+            None => ArgKey::Value(id.0),
+        };
+        let key = (callee, args.iter().map(key).collect::<Vec<ArgKey>>());
+        let effects = self.b.function(callee).effects;
+        if let (false, Some(result)) = (effects, self.inlined.iter().rev().find_map(|block| block.get(&key)))
+        {
+            return Ok(*result);
+        }
+        let result = self.expr(&mut env, body)?;
+        self.pin(result);
+        if let Some(block) = self.inlined.last_mut() {
+            block.insert(key, result);
+        }
+        Ok(result)
+    }
+
+    fn default_arg(
+        &mut self,
+        callee: DefId,
+        env: &Env<'w>,
+        index: usize,
+        place: &FileSpan,
+    ) -> Built<ExpressionId> {
+        let (owner, default) = self.b.default_expr(callee, index, place)?;
+        let mut inner = self.callee_env(owner, index);
+        inner.bindings[..index].clone_from_slice(&env.bindings[..index]);
+        inner.sizes.clone_from(&env.sizes);
+        self.expr(&mut inner, default)
+    }
+
+    fn bind_size(
+        &mut self,
+        function: &Function,
+        env: &mut Env<'w>,
+        index: usize,
+        value: ExpressionId,
+        place: &FileSpan,
+    ) -> Built<()> {
+        let Some(param) = function.signature.params.get(index) else { return Ok(()) };
+        let Some(Size::Symbol(symbol)) = param.ty.size else { return Ok(()) };
+        let Some(size) = self.b.types.array_size(self.type_of(value)) else { return Ok(()) };
+        match env.sizes[symbol.0 as usize].replace(size) {
+            Some(first) if first != size => {
+                let symbol = function.signature.symbols[symbol.0 as usize].to_string();
+                self.b.abort(place.clone(), problems::SizeMismatch { symbol, first, second: size })
+            }
+            _ => Ok(()),
+        }
+    }
+}

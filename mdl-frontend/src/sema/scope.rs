@@ -1,0 +1,249 @@
+//! What names stand for: in a module, and in the blocks of a function.
+
+use super::hir::{Entity, LocalId, Module};
+use super::ty::{SymbolId, Ty};
+use crate::span::Span;
+use crate::value::Value;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::sync::Arc;
+
+/// Names of a module: its own, and those that it imports.
+#[derive(Default)]
+pub struct ModuleScope {
+    /// Names that are used without a module before them.
+    names: FxHashMap<Arc<str>, Names>,
+    /// Annotations that are used without a module before them.
+    annotations: FxHashMap<Arc<str>, Names>,
+    /// Imported modules by the path under which their names are used, such as `a::b`.
+    modules: FxHashMap<String, ImportedModule>,
+    /// Paths of [`Self::modules`] in order of import.
+    paths: Vec<String>,
+    /// Names in order of declaration, for suggestions.
+    order: Vec<Arc<str>>,
+}
+
+/// What one name stands for.
+#[derive(Clone, Debug)]
+pub struct Names {
+    /// All that it stands for; more than one only for functions and annotations.
+    pub entities: Vec<Entity>,
+    /// Where it was declared or imported first.
+    pub span: Span,
+    /// The module that it was imported from without a qualifier.
+    pub imported: Option<Arc<Module>>,
+}
+
+/// A module of which some names can be used with a qualifier.
+pub struct ImportedModule {
+    /// The module.
+    pub module: Arc<Module>,
+    /// All its names can be used.
+    pub all: bool,
+    /// Names that can be used unless all can.
+    pub names: FxHashSet<Arc<str>>,
+}
+
+impl ModuleScope {
+    fn table(&mut self, entity: Entity) -> &mut FxHashMap<Arc<str>, Names> {
+        match entity {
+            Entity::Annotation(_) => &mut self.annotations,
+            _ => &mut self.names,
+        }
+    }
+
+    /// What a name stands for that has no module before it.
+    pub fn name(&self, name: &str) -> Option<&Names> {
+        self.names.get(name)
+    }
+
+    /// What the name of an annotation stands for that has no module before it.
+    pub fn annotation(&self, name: &str) -> Option<&Names> {
+        self.annotations.get(name)
+    }
+
+    /// Adds a declaration of the module itself. If the name is taken by something that it cannot share
+    /// it with, nothing is added and the other is returned.
+    pub fn declare(&mut self, name: &Arc<str>, entity: Entity, span: Span) -> Result<(), Names> {
+        if let Some(names) = self.table(entity).get_mut(name) {
+            let shared = |entity: &Entity| matches!(entity, Entity::Function(_) | Entity::Annotation(_));
+            if !(shared(&entity) && names.entities.iter().all(shared)) {
+                return Err(names.clone());
+            }
+            names.entities.push(entity);
+            return Ok(());
+        }
+        self.order.push(name.clone());
+        self.table(entity).insert(name.clone(), Names { entities: vec![entity], span, imported: None });
+        Ok(())
+    }
+
+    /// Lets the definition of a function take the place of its prototype.
+    pub fn replace(&mut self, name: &str, old: Entity, new: Entity) {
+        if let Some(names) = self.names.get_mut(name) {
+            names.entities.iter_mut().filter(|entity| **entity == old).for_each(|entity| *entity = new);
+        }
+    }
+
+    /// Adds a name imported without a qualifier. Returns what holds the name already.
+    pub fn import(
+        &mut self,
+        name: &Arc<str>,
+        entities: &[Entity],
+        from: &Arc<Module>,
+        span: Span,
+    ) -> Option<Names> {
+        let (annotations, others): (Vec<Entity>, Vec<Entity>) =
+            entities.iter().partition(|entity| matches!(entity, Entity::Annotation(_)));
+        let mut taken = None;
+        for entities in [annotations, others] {
+            let Some(first) = entities.first() else { continue };
+            if let Some(names) = self.table(*first).get(name) {
+                let same = names.imported.as_ref().is_some_and(|module| module.id == from.id);
+                taken = (!same).then(|| names.clone()).or(taken);
+                continue;
+            }
+            self.order.push(name.clone());
+            let names = Names { entities, span, imported: Some(from.clone()) };
+            self.table(names.entities[0]).insert(name.clone(), names);
+        }
+        taken
+    }
+
+    /// Makes names of a module usable with a qualifier: one, or all.
+    pub fn qualify(&mut self, path: String, module: &Arc<Module>, name: Option<&Arc<str>>) {
+        let imported = self.modules.entry(path).or_insert_with_key(|path| {
+            self.paths.push(path.clone());
+            ImportedModule { module: module.clone(), all: false, names: FxHashSet::default() }
+        });
+        match name {
+            Some(name) => _ = imported.names.insert(name.clone()),
+            None => imported.all = true,
+        }
+    }
+
+    /// The imported module that is used under this path.
+    pub fn module(&self, path: &str) -> Option<&ImportedModule> {
+        self.modules.get(path)
+    }
+
+    /// All imported modules with the paths under which they are used.
+    pub fn modules(&self) -> impl Iterator<Item = (&str, &ImportedModule)> {
+        self.paths.iter().map(|path| (path.as_str(), &self.modules[path]))
+    }
+
+    /// All names without qualifier, for suggestions.
+    pub fn all_names(&self) -> impl Iterator<Item = &str> {
+        self.order.iter().map(|name| &**name)
+    }
+}
+
+/// What a name stands for within a function.
+#[derive(Clone, Debug)]
+pub enum LocalEntry {
+    /// A parameter, variable or `let` name.
+    Variable(LocalId),
+    /// The size of an array.
+    Symbol(SymbolId),
+    /// A constant.
+    Constant(Value, Ty),
+    /// A type.
+    Type(Ty),
+}
+
+/// Nested blocks.
+#[derive(Default)]
+pub struct LocalScopes<'a> {
+    entries: Vec<LocalName<'a>>,
+    /// Indices of the entries of each name, innermost last.
+    by_name: FxHashMap<&'a str, Vec<usize>>,
+    blocks: Vec<usize>,
+}
+
+/// A name in a block.
+pub struct LocalName<'a> {
+    /// The name.
+    pub name: &'a str,
+    /// What it stands for.
+    pub entry: LocalEntry,
+    /// Where it is declared.
+    pub span: Span,
+    /// It was used.
+    pub used: bool,
+    /// Nobody minds if it is not.
+    pub may_be_unused: bool,
+    /// It is annotated to be unused.
+    pub marked: bool,
+}
+
+impl<'a> LocalScopes<'a> {
+    /// Enters a block.
+    pub fn enter(&mut self) {
+        self.blocks.push(self.entries.len());
+    }
+
+    /// Leaves the innermost block; its names.
+    pub fn leave(&mut self) -> Vec<LocalName<'a>> {
+        let start = self.blocks.pop().unwrap_or(0);
+        let left = self.entries.split_off(start);
+        for name in &left {
+            self.by_name.get_mut(name.name).and_then(Vec::pop);
+        }
+        left
+    }
+
+    /// Number of blocks around.
+    pub fn depth(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Adds a name to the innermost block. Returns where that block declares it already.
+    pub fn declare(&mut self, name: &'a str, entry: LocalEntry, span: Span) -> Option<Span> {
+        let start = self.blocks.last().copied().unwrap_or(0);
+        let indices = self.by_name.entry(name).or_default();
+        let taken = indices.last().filter(|index| **index >= start).map(|index| {
+            // Whatever uses the name is no evidence against the first declaration.
+            self.entries[*index].used = true;
+            self.entries[*index].span
+        });
+        indices.push(self.entries.len());
+        self.entries.push(LocalName { name, entry, span, used: false, may_be_unused: false, marked: false });
+        taken
+    }
+
+    /// Says that nobody minds if the name declared last is not used.
+    pub fn allow_unused(&mut self) {
+        if let Some(last) = self.entries.last_mut() {
+            last.may_be_unused = true;
+        }
+    }
+
+    /// Says that the name declared last is annotated to be unused.
+    pub fn mark_unused(&mut self) {
+        self.allow_unused();
+        if let Some(last) = self.entries.last_mut() {
+            last.marked = true;
+        }
+    }
+
+    /// What a name stands for, innermost first; marks it as used.
+    pub fn find(&mut self, name: &str) -> Option<&LocalEntry> {
+        let index = *self.by_name.get(name)?.last()?;
+        let found = &mut self.entries[index];
+        found.used = true;
+        Some(&found.entry)
+    }
+
+    /// Moves all locals to higher numbers.
+    pub fn shift(&mut self, by: u32) {
+        for name in &mut self.entries {
+            if let LocalEntry::Variable(local) = &mut name.entry {
+                local.0 += by;
+            }
+        }
+    }
+
+    /// All names, innermost first.
+    pub fn names(&self) -> impl Iterator<Item = &'a str> {
+        self.entries.iter().rev().map(|entry| entry.name)
+    }
+}

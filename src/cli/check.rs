@@ -1,0 +1,146 @@
+//! `lacquer check`: modules are checked, and everything that is wrong is said. Exit status 0 if nothing is,
+//! 1 if there are errors, 2 if the command was called wrongly.
+
+use super::{Fail, SearchPaths};
+use lacquer::{Error, Module, Session};
+use mdl_frontend::diagnostics::{Record, Severity};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `check`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Files, or folders whose modules are all checked
+    #[arg(required = true, value_name = "FILE|FOLDER")]
+    paths: Vec<PathBuf>,
+    #[command(flatten)]
+    search: SearchPaths,
+    /// How diagnostics are written
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Count warnings as errors
+    #[arg(long)]
+    deny_warnings: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Format {
+    /// For people
+    Human,
+    /// One JSON object a line
+    Json,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), Fail> {
+    let session = args.search.session()?;
+    let mut files = Vec::new();
+    for path in &args.paths {
+        if path.is_dir() {
+            session.add_search_path(path)?;
+            let before = files.len();
+            collect(path, &mut files).map_err(|source| Error::Io { path: path.clone(), source })?;
+            if files.len() == before {
+                eprintln!("warning: no module lies below {}", path.display());
+            }
+        } else {
+            files.push(path.clone());
+        }
+    }
+    let (mut errors, mut warnings) = (0, 0);
+    for (file, result) in check_all(&session, &files) {
+        match result {
+            Ok(module) => {
+                let (e, w) = print(&module, args.format);
+                errors += e;
+                warnings += w;
+            }
+            Err(error) => {
+                errors += 1;
+                unreadable(&file, &error, args.format);
+            }
+        }
+    }
+    if args.format == Format::Human {
+        let modules = files.len();
+        eprintln!(
+            "{modules} module{} checked: {errors} errors, {warnings} warnings",
+            if modules == 1 { "" } else { "s" }
+        );
+    }
+    match errors > 0 || (args.deny_warnings && warnings > 0) {
+        true => Err(Fail::Reported),
+        false => Ok(()),
+    }
+}
+
+/// Checks files on all cores; results in the order of the files.
+fn check_all(session: &Session, files: &[PathBuf]) -> Vec<(PathBuf, Result<Module, Error>)> {
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let Some(file) = files.get(index) else { return done };
+            done.push((index, file.clone(), session.open(file)));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(files.len().max(1));
+    let mut results: Vec<_> = std::thread::scope(|scope| {
+        let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        handles.into_iter().flat_map(|handle| handle.join().expect("checking does not panic")).collect()
+    });
+    results.sort_by_key(|(index, ..)| *index);
+    results.into_iter().map(|(_, file, result)| (file, result)).collect()
+}
+
+/// All `.mdl` files below a folder, by name.
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let mut entries: Vec<_> = std::fs::read_dir(folder)?.collect::<Result<_, _>>()?;
+    entries.sort_by_key(|entry| entry.file_name());
+    for entry in entries {
+        let path = entry.path();
+        // Links to folders are not followed: they may lead in circles.
+        if entry.file_type()?.is_dir() {
+            collect(&path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "mdl") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Writes the diagnostics of a module; gives the numbers of errors and warnings.
+fn print(module: &Module, format: Format) -> (usize, usize) {
+    let colour = std::io::stderr().is_terminal();
+    for diagnostic in module.diagnostics() {
+        match format {
+            Format::Human => eprint!("{}", module.render(diagnostic, colour)),
+            Format::Json => {
+                let record = Record::new(diagnostic, |file| module.source(file));
+                println!("{}", super::json::line(&record));
+            }
+        }
+    }
+    let errors = module.diagnostics().iter().filter(|d| d.severity == Severity::Error).count();
+    (errors, module.diagnostics().len() - errors)
+}
+
+/// A file that could not be read.
+fn unreadable(file: &Path, error: &Error, format: Format) {
+    match format {
+        Format::Human => eprintln!("error: {error}"),
+        Format::Json => {
+            let record = Record {
+                code: "E0000",
+                severity: "error",
+                message: error.to_string(),
+                file: file.display().to_string(),
+                line: 1,
+                column: 1,
+                help: None,
+            };
+            println!("{}", super::json::line(&record));
+        }
+    }
+}

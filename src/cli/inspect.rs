@@ -1,0 +1,98 @@
+//! `lacquer inspect`: what a material is made of.
+
+use super::{Assignment, Fail, SearchPaths, Target, compile};
+use mdl_frontend::graph::{NodeKind, Stage};
+use mdl_frontend::layout::ArgumentBlock;
+use mdl_jit::material::Part;
+use std::fmt::Write;
+
+/// Arguments of `inspect`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The material: FILE.mdl, FILE.mdl::name or ::package::module::name
+    target: Target,
+    #[command(flatten)]
+    search: SearchPaths,
+    /// Give a parameter a value, as an MDL expression
+    #[arg(long = "arg", value_name = "NAME=VALUE")]
+    arguments: Vec<Assignment>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), Fail> {
+    let session = args.search.session()?;
+    let material = compile(&session, &args.target, &args.arguments)?;
+    let mut text = String::new();
+    describe(&material, &mut text).expect("writing to a string succeeds");
+    print!("{text}");
+    Ok(())
+}
+
+fn describe(material: &lacquer::Material, out: &mut String) -> std::fmt::Result {
+    let graph = &material.graph().graph;
+    write!(out, "{}", material.graph())?;
+    writeln!(out, "\narguments")?;
+    let block = ArgumentBlock::new(graph);
+    for (parameter, entry) in graph.parameters.iter().zip(&block.entries) {
+        let ty = graph.types.display(parameter.ty);
+        match entry.editable {
+            true => writeln!(out, "  {:>5}  {ty} {}", entry.offset, parameter.name)?,
+            false => writeln!(out, "      -  {ty} {} (computed by the material)", parameter.name)?,
+        }
+    }
+    writeln!(out, "  {} bytes", block.size)?;
+    writeln!(out, "\nstages")?;
+    for (name, stage) in [("const", Stage::Const), ("uniform", Stage::Uniform), ("varying", Stage::Varying)] {
+        let nodes = graph.nodes.iter().filter(|node| node.stage == stage);
+        let operations = nodes.filter(|node| matches!(node.kind, NodeKind::Op(..))).count();
+        writeln!(out, "  {name}: {operations} operations")?;
+    }
+    let shaded = material.shaded();
+    writeln!(out, "\nparts")?;
+    for part in Part::ALL {
+        let inputs = shaded.inputs(part);
+        if inputs.uniform.is_empty() {
+            continue;
+        }
+        let fields: Vec<String> = inputs.state.iter().map(|field| format!("{field:?}")).collect();
+        write!(out, "  {part:?}: {} outputs, {} varying", inputs.uniform.len(), inputs.varying.len())?;
+        match fields.is_empty() {
+            true => writeln!(out)?,
+            false => writeln!(out, ", reads {}", fields.join(", "))?,
+        }
+    }
+    let faces = [("surface", Some(&shaded.surface)), ("backface", shaded.backface.as_ref())];
+    for (name, face) in faces.into_iter().filter_map(|(name, face)| Some((name, face?))) {
+        writeln!(out, "\n{name} program")?;
+        program(&face.bsdf, out)?;
+        if let Some(emission) = &face.emission {
+            writeln!(out, "\n{name} emission program")?;
+            program(&emission.edf, out)?;
+        }
+    }
+    writeln!(out, "\nneeds")?;
+    for (need, on) in [
+        ("thin walls", shaded.thin_walled),
+        ("cutout", shaded.has_cutout()),
+        ("normal", shaded.has_normal()),
+        ("transmission", shaded.transmits()),
+        ("emission", shaded.emits()),
+    ] {
+        writeln!(out, "  {need}: {}", if on { "yes" } else { "no" })?;
+    }
+    Ok(())
+}
+
+/// The nodes of a layer program, one a line, indented by nesting.
+fn program(program: &layered_bsdf::prelude::LayerProgram, out: &mut String) -> std::fmt::Result {
+    let nodes = program.nodes();
+    // Second children wait until the first is done; their nesting is that of the first.
+    let mut depth = vec![0; nodes.len()];
+    for (index, node) in program.describe().into_iter().enumerate() {
+        for child in node.children {
+            depth[child] = depth[index] + 1;
+        }
+        writeln!(out, "  {:indent$}{} {}", "", node.name, node.slots, indent = 2 * depth[index])?;
+    }
+    writeln!(out, "  {} nodes, {} slots", nodes.len(), program.slots())
+}

@@ -1,0 +1,257 @@
+//! The commands: one file each. Results go to stdout, everything said beside them to stderr.
+
+mod bsdf;
+mod check;
+mod emit;
+mod eval;
+mod inspect;
+mod json;
+
+use clap::{Parser, Subcommand};
+use lacquer::{Error, Material, Module, Session};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// The notice that MDL's specification asks of complying products.
+const NOTICE: &str =
+    "This product was produced in compliance with the NVIDIA Material Definition Language specification.";
+
+/// A compiler for MDL materials and a physically based renderer around it.
+#[derive(Parser)]
+#[command(name = "lacquer", version, long_version = concat!(env!("CARGO_PKG_VERSION"), "\n",
+    "This product was produced in compliance with the NVIDIA Material Definition Language specification."),
+    after_help = NOTICE, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Check modules and say what is wrong with them
+    Check(check::Args),
+    /// Show the graph, layout, stages and programs of a material
+    Inspect(inspect::Args),
+    /// Print the code of a material or function
+    Emit(emit::Args),
+    /// Compute a function
+    Eval(eval::Args),
+    /// Ask the BSDF of a material at a point (JSON)
+    Bsdf(bsdf::Args),
+}
+
+/// Why a command failed.
+enum Fail {
+    /// An error of the library.
+    Error(Error),
+    /// Everything was said already.
+    Reported,
+    /// The command was called with something that cannot be.
+    Usage(String),
+}
+
+impl From<Error> for Fail {
+    fn from(error: Error) -> Self {
+        Fail::Error(error)
+    }
+}
+
+/// Runs the command that the process was called with.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Check(args) => check::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Emit(args) => emit::run(&args),
+        Command::Eval(args) => eval::run(&args),
+        Command::Bsdf(args) => bsdf::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Fail::Reported) => ExitCode::from(1),
+        Err(Fail::Error(error)) => {
+            eprint!("{}", error.report(std::io::stderr().is_terminal()));
+            ExitCode::from(1)
+        }
+        Err(Fail::Usage(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Which file, and which export of it: `FILE.mdl` or `FILE.mdl::name`; or an embedded module, by name.
+#[derive(Clone, Debug, PartialEq)]
+struct Target {
+    /// Path of the file, or qualified name of a module.
+    module: String,
+    /// Name of the export.
+    name: Option<String>,
+}
+
+impl std::str::FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.is_empty() {
+            return Err("a file or module is missing".to_string());
+        }
+        // A qualified name starts with `::` and ends in the export; a path may hold `::` behind `.mdl`.
+        if let Some(rest) = text.strip_prefix("::") {
+            let (module, name) = match rest.rsplit_once("::") {
+                Some((module, name)) if materials::module(text).is_none() => {
+                    (format!("::{module}"), Some(name))
+                }
+                _ => (text.to_string(), None),
+            };
+            return Ok(Self { module, name: name.map(str::to_string) });
+        }
+        Ok(match text.split_once(".mdl::") {
+            Some((path, name)) => Self { module: format!("{path}.mdl"), name: Some(name.to_string()) },
+            None => Self { module: text.to_string(), name: None },
+        })
+    }
+}
+
+/// Where modules are searched for.
+#[derive(clap::Args, Clone)]
+struct SearchPaths {
+    /// Search modules and resources below this folder too (may be given several times)
+    #[arg(short = 'I', long = "search-path", value_name = "FOLDER")]
+    search_paths: Vec<PathBuf>,
+}
+
+impl SearchPaths {
+    /// A session with these search paths, then those of the environment.
+    fn session(&self) -> Result<Session, Fail> {
+        let session = Session::new();
+        for path in &self.search_paths {
+            session.add_search_path(path)?;
+        }
+        session.add_search_paths_of_environment();
+        Ok(session)
+    }
+}
+
+/// A value for a parameter: `NAME=VALUE`.
+#[derive(Clone, Debug)]
+struct Assignment {
+    name: String,
+    value: String,
+}
+
+impl std::str::FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
+        Ok(Self { name: name.trim().to_string(), value: value.trim().to_string() })
+    }
+}
+
+/// Opens the module of a target. Its errors are reported.
+fn open(session: &Session, target: &Target) -> Result<Module, Fail> {
+    let module = match target.module.starts_with("::") {
+        true => session.import(&target.module)?,
+        false => session.open(Path::new(&target.module))?,
+    };
+    if module.has_errors() {
+        report(&module);
+        return Err(Fail::Reported);
+    }
+    Ok(module)
+}
+
+/// Says what is wrong with a module.
+fn report(module: &Module) {
+    let colour = std::io::stderr().is_terminal();
+    for diagnostic in module.diagnostics() {
+        eprint!("{}", module.render(diagnostic, colour));
+    }
+}
+
+/// Compiles the material of a target, and passes on what the compiler warns of.
+fn compile(session: &Session, target: &Target, assignments: &[Assignment]) -> Result<Material, Fail> {
+    let module = open(session, target)?;
+    let exported = module.materials();
+    if let Some(name) = &target.name
+        && !exported.iter().any(|material| *material.name == **name)
+    {
+        let names: Vec<&str> = exported.iter().map(|material| &*material.name).collect();
+        let list = match names.is_empty() {
+            true => "it exports none".to_string(),
+            false => format!("it exports {}", names.join(", ")),
+        };
+        return Err(
+            Error::Name(format!("module `{}` exports no material `{name}`; {list}", module.name())).into()
+        );
+    }
+    if target.name.is_none() && exported.len() > 1 {
+        eprintln!("note: {} materials are exported; this is `{}`", exported.len(), exported[0].name);
+    }
+    let arguments: Vec<(&str, &str)> = assignments.iter().map(|a| (&*a.name, &*a.value)).collect();
+    let material = module.material(target.name.as_deref(), &arguments)?;
+    for warning in material.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    Ok(material)
+}
+
+/// Three numbers: `X,Y,Z`.
+fn parse_vector(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers = numbers.map_err(|_| format!("`{text}` is not X,Y,Z"))?;
+    let vector: [f32; 3] = numbers.try_into().map_err(|_| format!("`{text}` is not X,Y,Z"))?;
+    match vector.iter().all(|x| x.is_finite()) {
+        true => Ok(vector),
+        false => Err(format!("`{text}` is not finite")),
+    }
+}
+
+/// A direction: `X,Y,Z`, brought to unit length.
+fn parse_direction(text: &str) -> Result<[f32; 3], String> {
+    let v = parse_vector(text)?.map(f64::from);
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    match length > 0.0 {
+        true => Ok(v.map(|x| (x / length) as f32)),
+        false => Err("a direction must not be zero".to_string()),
+    }
+}
+
+/// A size: `WIDTHxHEIGHT`.
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let bad = || format!("`{text}` is not WIDTHxHEIGHT");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(bad)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| bad());
+    match (number(width)?, number(height)?) {
+        (0, _) | (_, 0) => Err("an image needs at least one pixel".to_string()),
+        (width, height) if width > 65_536 || height > 65_536 => {
+            Err("an image may have at most 65536 pixels along a side".to_string())
+        }
+        size => Ok(size),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_name_files_and_exports() {
+        let target = |text: &str| text.parse::<Target>().expect("it is a target");
+        let of =
+            |module: &str, name: Option<&str>| Target { module: module.into(), name: name.map(Into::into) };
+        assert_eq!(target("a/b.mdl"), of("a/b.mdl", None));
+        assert_eq!(target("a/b.mdl::gold"), of("a/b.mdl", Some("gold")));
+        assert_eq!(target("::catalog::metal"), of("::catalog::metal", None));
+        assert_eq!(target("::catalog::metal::gold"), of("::catalog::metal", Some("gold")));
+    }
+
+    #[test]
+    fn sizes_and_vectors_are_checked() {
+        assert_eq!(parse_size("640x480"), Ok((640, 480)));
+        assert!(parse_size("0x4").is_err() && parse_size("4").is_err() && parse_size("99999999x1").is_err());
+        assert_eq!(parse_direction("0,0,2"), Ok([0.0, 0.0, 1.0]));
+        assert!(parse_direction("0,0,0").is_err() && parse_vector("1,nan,0").is_err());
+    }
+}

@@ -1,0 +1,182 @@
+//! A compiled material, for programs that embed the compiler.
+
+use crate::error::Error;
+use crate::probe::Probe;
+use crate::session::Module;
+use mdl_frontend::Argument;
+use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource};
+use mdl_frontend::value::Value;
+use mdl_jit::mdl::CompiledMaterial;
+use std::sync::Arc;
+
+/// A material with its current arguments.
+///
+/// ```
+/// use lacquer::Session;
+///
+/// let module = Session::new().import("::catalog::plastic")?;
+/// let mut material = module.material(Some("plastic"), &[])?;
+/// let names: Vec<&str> = material.parameters().iter().map(|p| &*p.name).collect();
+/// assert_eq!(names, ["body_color", "roughness", "ior"]);
+///
+/// material.set("body_color", "color(0.1, 0.2, 0.8)")?;
+/// assert!(material.set("rufness", "0.5").is_err());
+/// # Ok::<(), lacquer::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Material {
+    module: Module,
+    name: String,
+    mode: Mode,
+    /// What the user gave, by parameter.
+    given: Vec<(String, Argument)>,
+    graph: Arc<MaterialGraph>,
+    code: Arc<CompiledMaterial>,
+    arguments: Vec<Value>,
+    shaded: Arc<mdl_jit::material::Material>,
+}
+
+impl Material {
+    pub(crate) fn new(
+        module: Module,
+        name: &str,
+        mode: Mode,
+        given: Vec<(String, Argument)>,
+    ) -> Result<Self, Error> {
+        let graph = Self::graph_of(&module, name, mode, &given)?;
+        let arguments = arguments_of(&graph);
+        let code = compile(&graph, &arguments)?;
+        let shaded = instantiate(&graph, &code, &arguments)?.ok_or_else(|| {
+            Error::Setting(format!("`{}` decides its structure by no known value", graph.name))
+        })?;
+        Ok(Self {
+            module,
+            name: name.to_string(),
+            mode,
+            given,
+            graph: Arc::new(graph),
+            code: Arc::new(code),
+            arguments,
+            shaded: Arc::new(shaded),
+        })
+    }
+
+    fn graph_of(
+        module: &Module,
+        name: &str,
+        mode: Mode,
+        given: &[(String, Argument)],
+    ) -> Result<MaterialGraph, Error> {
+        let given: Vec<(&str, Argument)> =
+            given.iter().map(|(name, value)| (&**name, value.clone())).collect();
+        Ok(module.session().compiler().material_graph(module.checked(), name, mode, &given)?)
+    }
+
+    /// Qualified name.
+    pub fn name(&self) -> &str {
+        &self.graph.name
+    }
+
+    /// The module that exports it.
+    pub fn module(&self) -> &Module {
+        &self.module
+    }
+
+    /// Parameters in order of declaration.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.graph.graph.parameters
+    }
+
+    /// The current value of each parameter; zero where the default is computed by the material.
+    pub fn arguments(&self) -> &[Value] {
+        &self.arguments
+    }
+
+    /// Gives a parameter a value: an MDL expression such as `0.5`, `color(1, 0, 0)` or `"oak.png"`.
+    ///
+    /// Nothing is compiled again unless the value changes the structure of the material.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), Error> {
+        let mut given = self.given.clone();
+        given.retain(|(other, _)| other != name);
+        given.push((name.to_string(), Argument::from(value)));
+        let graph = Self::graph_of(&self.module, &self.name, self.mode, &given)?;
+        let arguments = arguments_of(&graph);
+        let same = graph.graph.nodes == self.graph.graph.nodes;
+        let reused = if same { instantiate(&graph, &self.code, &arguments)? } else { None };
+        let shaded = match reused {
+            Some(shaded) => shaded,
+            None => {
+                self.code = Arc::new(compile(&graph, &arguments)?);
+                let shaded = instantiate(&graph, &self.code, &arguments)?;
+                shaded.expect("the structure was just decided by these arguments")
+            }
+        };
+        (self.given, self.graph, self.arguments) = (given, Arc::new(graph), arguments);
+        self.shaded = Arc::new(shaded);
+        Ok(())
+    }
+
+    /// What the material asks for and does not get, in sentences.
+    pub fn warnings(&self) -> &[String] {
+        self.code.warnings()
+    }
+
+    /// Files that it refers to.
+    pub fn resources(&self) -> &[Resource] {
+        &self.graph.graph.resources
+    }
+
+    /// The graph of its values.
+    pub fn graph(&self) -> &MaterialGraph {
+        &self.graph
+    }
+
+    /// Its code.
+    pub fn code(&self) -> &CompiledMaterial {
+        &self.code
+    }
+
+    /// The form that a renderer takes.
+    pub fn shaded(&self) -> &Arc<mdl_jit::material::Material> {
+        &self.shaded
+    }
+
+    /// The material at a point of a surface, with its inputs computed there: value, density, samples and
+    /// albedo of its BSDF.
+    ///
+    /// ```
+    /// use lacquer::{Session, SurfacePoint};
+    ///
+    /// let material = Session::new().import("::catalog::marble")?.material(None, &[])?;
+    /// let mut probe = material.at(&SurfacePoint::default())?;
+    /// let (wo, wi) = ([0.0, 0.6, 0.8], [0.6, 0.0, 0.8]);
+    /// let value = probe.eval(wo, wi);
+    /// assert!(value.pdf > 0.0 && value.value[1] > 0.0);
+    /// let sample = probe.sample(wo, [0.3, 0.7, 0.5]);
+    /// assert!(sample.weight.iter().all(|w| w.is_finite()));
+    /// # Ok::<(), lacquer::Error>(())
+    /// ```
+    pub fn at(&self, point: &crate::probe::SurfacePoint) -> Result<Probe, Error> {
+        Probe::new(self, point)
+    }
+}
+
+fn arguments_of(graph: &MaterialGraph) -> Vec<Value> {
+    mdl_jit::mdl::material::default_arguments(graph)
+}
+
+fn compile(graph: &MaterialGraph, arguments: &[Value]) -> Result<CompiledMaterial, Error> {
+    CompiledMaterial::new(graph, arguments)
+        .map_err(|source| Error::Compile { name: graph.name.to_string(), source })
+}
+
+/// Textures are numbered as in the graph; a renderer renumbers them.
+fn instantiate(
+    graph: &MaterialGraph,
+    code: &CompiledMaterial,
+    arguments: &[Value],
+) -> Result<Option<mdl_jit::material::Material>, Error> {
+    let textures: Vec<u32> = (0..graph.graph.resources.len() as u32).collect();
+    code.instantiate(arguments, &textures)
+        .map_err(|source| Error::Compile { name: graph.name.to_string(), source })
+}

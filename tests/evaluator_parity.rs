@@ -1,0 +1,241 @@
+//! The BSDF evaluator is written once and runs in four ways: native Rust, the interpreter (`f32` and
+//! `f64`), SPMD lanes on the CPU, and a compute kernel. They must say the same.
+
+use layered_bsdf::prelude::*;
+use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+
+/// Pairs of directions per tree.
+const PAIRS: usize = 259;
+/// Leaves of the result: diffuse, glossy, density, specular.
+const LEAVES: usize = 10;
+
+/// Native code and the `f32` interpreter do the same IEEE operations in the same order.
+const EXACT: f64 = 0.0;
+/// Lanes compute what the interpreter computes, bit for bit.
+const LANES: f64 = 0.0;
+/// A GPU may contract products and sums and has its own division and square root: a few units in the last
+/// place, times the condition of D at this roughness.
+const GPU: f64 = 2e-4;
+
+fn diffuse(roughness: f32) -> Tree<f32> {
+    Tree::DiffuseReflection { tint: [0.8, 0.5, 0.2], roughness, multiscatter_tint: Some([0.5; 3]) }
+}
+
+fn ggx(alpha: f32, mode: ScatterMode) -> Tree<f32> {
+    Tree::GgxSmith {
+        tint: [0.9, 0.8, 0.7],
+        roughness_u: alpha,
+        roughness_v: 0.5 * alpha,
+        mode,
+        tangent: Some([0.6, 0.8, 0.1]),
+    }
+}
+
+fn layer(curve: Curve<f32>, top: Tree<f32>, base: Tree<f32>, normal: Option<[f32; 3]>) -> Tree<f32> {
+    Tree::Layer { curve, weight: [0.9, 0.8, 0.7], normal, layer: Box::new(top), base: Box::new(base) }
+}
+
+/// Trees that hold every operation.
+fn trees() -> Vec<(&'static str, Tree<f32>)> {
+    let custom = Curve::Custom {
+        normal_reflectivity: [0.04, 0.1, 0.2],
+        grazing_reflectivity: [1.0, 0.9, 0.8],
+        f82_factor: Some([0.5, 0.7, 0.9]),
+        exponent: 4.5,
+    };
+    let glossy = ggx(0.3, ScatterMode::Reflect);
+    let coat = layer(Curve::Fresnel { ior: 1.5 }, glossy.clone(), diffuse(0.4), None);
+    let glass = ggx(0.2, ScatterMode::ReflectTransmit);
+    let factor = Tree::DirectionalFactor {
+        normal_tint: [0.9, 0.6, 0.2],
+        grazing_tint: [1.0; 3],
+        f82_factor: None,
+        exponent: 5.0,
+        base: Box::new(glossy.clone()),
+    };
+    let bumped = layer(custom.clone(), factor, coat.clone(), Some([0.2, -0.1, 0.95]));
+    let tinted = Tree::Tint {
+        tint: [0.9, 0.7, 0.5],
+        transmission: Some([0.2, 0.4, 0.6]),
+        base: Box::new(layer(
+            Curve::ColorFresnel { ior: [1.4, 1.5, 1.7] },
+            Tree::Specular { tint: [1.0; 3], mode: ScatterMode::Reflect },
+            layer(Curve::Constant, glass.clone(), Tree::DiffuseTransmission { tint: [0.5; 3] }, None),
+            None,
+        )),
+    };
+    vec![
+        ("diffuse", diffuse(0.0)),
+        ("rough diffuse", diffuse(0.7)),
+        ("glossy", glossy),
+        ("glass", glass),
+        ("coat", coat),
+        ("bumped layers", bumped),
+        ("tinted layers", Tree::Scale { factor: [0.7; 3], base: Box::new(tinted) }),
+    ]
+}
+
+/// A fixed sequence of pairs of directions; `wo` lies above the surface.
+fn directions() -> Vec<([f32; 3], [f32; 3])> {
+    let mut state = 1u32;
+    let mut unit = || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        ((((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737)) >> 8) as f32
+            / (1u32 << 24) as f32
+    };
+    let mut direction = |low: f32| {
+        let z = low + (1.0 - low) * unit();
+        let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), std::f32::consts::TAU * unit());
+        [r * phi.cos(), r * phi.sin(), z]
+    };
+    (0..PAIRS).map(|_| (direction(0.01), direction(-1.0))).collect()
+}
+
+fn point() -> ShadingPoint {
+    let (air, glass) = (vec3f(1.0, 1.0, 1.0), vec3f(1.45, 1.5, 1.55));
+    shading_point(vec3f(0.0, 0.0, 1.0), air, glass, 0)
+}
+
+/// Results, a row per pair.
+type Rows = Vec<[f64; LEAVES]>;
+
+fn native(tree: &Tree<f32>) -> Rows {
+    let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
+    let mut program = program.to_program();
+    let pairs = directions();
+    let row = |(wo, wi): &([f32; 3], [f32; 3])| {
+        let [wo, wi] = [wo, wi].map(|w| vec3f(w[0], w[1], w[2]));
+        let v = bsdf_eval(&mut program, &mut params, point(), wo, wi);
+        let [d, g, s] = [v.diffuse, v.glossy, v.specular];
+        [d.x, d.y, d.z, g.x, g.y, g.z, v.pdf, s.x, s.y, s.z].map(f64::from)
+    };
+    pairs.iter().map(row).collect()
+}
+
+fn run(code: &Code, executor: Executor<'_>, tree: &Tree<f32>) -> Rows {
+    let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
+    let program = program.to_program();
+    let mut words = vec![program.count];
+    words.extend(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
+    let params: Vec<u32> = params.v.iter().map(|x| x.to_bits()).collect();
+    let p = point();
+    let vectors = [p.geometry_normal, p.ior_near, p.ior_far].into_iter().flat_map(|v| [v.x, v.y, v.z]);
+    let mut at: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
+    at.push(Input::U32(p.flags));
+    let pairs = directions();
+    let column = |pick: &dyn Fn(&([f32; 3], [f32; 3])) -> f32| pairs.iter().map(pick).collect::<Vec<f32>>();
+    let wo = [0, 1, 2].map(|axis| column(&|pair| pair.0[axis]));
+    let wi = [0, 1, 2].map(|axis| column(&|pair| pair.1[axis]));
+    let (wo, wi) = (wo.each_ref().map(Vec::as_slice), wi.each_ref().map(Vec::as_slice));
+    let args = vec![
+        Argument::Words(&words),
+        Argument::Words(&params),
+        Argument::Leaves(at),
+        Argument::Leaves(wo.map(Input::F32s).to_vec()),
+        Argument::Leaves(wi.map(Input::F32s).to_vec()),
+    ];
+    let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
+    let modes = vec![table.clone(), table, ArgMode::Value(Mode::Uniform), varying.clone(), varying];
+    let precise = matches!(executor, Executor::Interp64);
+    let (mut narrow, mut wide) = (vec![vec![0f32; PAIRS]; LEAVES], vec![vec![0f64; PAIRS]; LEAVES]);
+    let outputs = match precise {
+        true => wide.iter_mut().map(|c| Output::F64(c)).collect(),
+        false => narrow.iter_mut().map(|c| Output::F32(c)).collect(),
+    };
+    let mut batch = Batch { len: PAIRS, args, outputs, ..Batch::default() };
+    let function = code.function("bsdf_eval").expect("the library has an evaluator");
+    executor
+        .execute(
+            &code.module,
+            &code.info,
+            function,
+            &Signature { args: modes },
+            &Options::default(),
+            &mut batch,
+        )
+        .unwrap_or_else(|e| panic!("{e}"));
+    drop(batch);
+    let leaf = |l: usize, i: usize| if precise { wide[l][i] } else { f64::from(narrow[l][i]) };
+    (0..PAIRS).map(|i| std::array::from_fn(|l| leaf(l, i))).collect()
+}
+
+/// The largest relative difference, and where it is.
+fn difference(a: &Rows, b: &Rows) -> (f64, usize, usize) {
+    let mut worst = (0.0, 0, 0);
+    for (i, (a, b)) in a.iter().zip(b).enumerate() {
+        for (l, (a, b)) in a.iter().zip(b).enumerate() {
+            let relative = (a - b).abs() / a.abs().max(b.abs()).max(1e-6);
+            if relative > worst.0 || relative.is_nan() {
+                worst = (relative, i, l);
+            }
+        }
+    }
+    worst
+}
+
+fn check(name: &str, a: &Rows, b: &Rows, tolerance: f64) -> Result<(), String> {
+    let (worst, pair, leaf) = difference(a, b);
+    match worst <= tolerance {
+        true => Ok(()),
+        false => Err(format!("{name}: leaf {leaf} of pair {pair}: {} and {}", a[pair][leaf], b[pair][leaf])),
+    }
+}
+
+fn library() -> Code {
+    Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn native_code_interpreter_and_lanes_agree_bit_for_bit() {
+    let code = library();
+    for (name, tree) in trees() {
+        let (native, interpreted) = (native(&tree), run(&code, Executor::Interp32, &tree));
+        check(name, &native, &interpreted, EXACT).unwrap_or_else(|e| panic!("{e}"));
+        check(name, &interpreted, &run(&code, Executor::Cpu, &tree), LANES).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+#[test]
+fn single_precision_is_close_to_double() {
+    let code = library();
+    for (name, tree) in trees() {
+        let (single, double) = (native(&tree), run(&code, Executor::Interp64, &tree));
+        // Where little is left of a cancellation at the edge of a lobe, the absolute value decides.
+        for (i, (a, b)) in single.iter().zip(&double).enumerate() {
+            for (l, (a, b)) in a.iter().zip(b).enumerate() {
+                let error = (a - b).abs() / b.abs().max(1e-3);
+                assert!(error < 1e-4, "{name}: leaf {l} of pair {i}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn compute_kernels_agree() {
+    let context = match mdl_jit::gpu::Context::new() {
+        Ok(context) => context,
+        Err(error) => {
+            let required = std::env::var_os("LACQUER_REQUIRE_GPU").is_some_and(|value| value == "1");
+            assert!(!required, "LACQUER_REQUIRE_GPU is set: {error}");
+            eprintln!("skipped: compute_kernels_agree: {error}");
+            return;
+        }
+    };
+    let code = library();
+    for (name, tree) in trees() {
+        let kernel = run(&code, Executor::Gpu(&context), &tree);
+        check(name, &native(&tree), &kernel, GPU).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+#[test]
+fn parity_detects_a_planted_difference() {
+    let code = library();
+    let (name, tree) = &trees()[4];
+    let rows = run(&code, Executor::Cpu, tree);
+    let mut planted = rows.clone();
+    let lit = planted.iter_mut().find(|row| row[6] > 0.0).expect("some pairs lie on one side");
+    lit[6] *= 1.0 + 2.0 * GPU;
+    assert!(check(name, &rows, &planted, GPU).is_err());
+    assert!(check(name, &rows, &rows.clone(), EXACT).is_ok());
+}
