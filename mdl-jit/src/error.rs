@@ -26,6 +26,9 @@ pub enum Unsupported {
     /// A kind of scalar that this executor does not compute with.
     #[error("64-bit values are not supported by this executor")]
     Wide,
+    /// A kind of scalar that this executor computes with but does not take or give.
+    #[error("64-bit arguments and results are not supported by this executor")]
+    WideArgument,
     /// A store to memory that this executor only reads.
     #[error("a store to {0} is not supported by this executor")]
     Store(&'static str),

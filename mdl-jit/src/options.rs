@@ -15,6 +15,8 @@ pub enum Lanes {
 pub enum Tier {
     /// A single pass of register allocation, no optimisation: first code soon.
     Fast,
+    /// Good register allocation, no optimisation: nearly as good unless much is uniform.
+    Plain,
     /// Optimised code.
     #[default]
     Optimised,

@@ -1,5 +1,7 @@
 //! Kernels on the GPU against the interpreter.
 
+#![cfg(feature = "gpu")]
+
 mod common;
 
 use common::{Case, Column, generate_flow, gpu};

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Case, Column, check, gpu};
+use common::{Case, Column, check};
 use mdl_jit::types::Kind;
 use mdl_jit::{
     ArgMode, Argument, Batch, CompileError, Error, Executor, Fault, Input, Interpreter, Kernel, Lanes, Mode,
@@ -239,7 +239,9 @@ fn a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way() {
         drop(batch);
         case.equal("words", &want, &outputs).expect("the same");
     }
-    if let Some(gpu) = gpu("a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way") {
+    #[cfg(feature = "gpu")]
+    if let Some(gpu) = common::gpu("a_layer_evaluator_agrees_with_programs_and_parameters_bound_in_every_way")
+    {
         let got = case.run(Executor::Gpu(gpu)).expect("the kernel runs");
         for (w, g) in want.iter().zip(&got) {
             let (Column::F32(w), Column::F32(g)) = (w, g) else { panic!("values are floats") };
@@ -446,16 +448,51 @@ fn the_f64_interpreter_uses_true_functions() {
 }
 
 #[test]
-fn doubles_run_in_the_interpreter_and_are_refused_elsewhere() {
-    let text = "fn f(x: f32) -> f32 { let y = f64(x) * 1.0lf / 3.0lf; return f32(y * 3.0lf - f64(x)); }";
-    let program = Program::from_wgsl(text).expect("the program validates");
-    let case = Case::new(&program, "f", false).random(10, 2);
-    case.run(Executor::Interp32).expect("the interpreter runs");
-    let error = case.run(Executor::Cpu).expect_err("64-bit values are refused");
-    assert!(
-        matches!(error, Error::Compile(CompileError::Unsupported { cause: Unsupported::Wide, .. })),
-        "{error}"
-    );
+fn sixty_four_bit_values_run_on_the_cpu_one_point_at_a_time() {
+    let text = "
+        struct D { v: vec3<f64>, n: i64, list: array<f64, 4> }
+        fn g(d: ptr<function, D>, u: u32) -> f64 {
+            (*d).list[u % 5u] += (*d).v[u % 3u] * 0.5lf;
+            (*d).n = (*d).n * 3li - 7li;
+            return sqrt(abs((*d).v.x)) + floor((*d).v.y) - ceil((*d).v.z) + round((*d).v.x * 3.0lf) + trunc((*d).v.y);
+        }
+        fn f(x: f32, y: f32, i: i32, u: u32) -> vec4<f32> {
+            var d: D;
+            let a = f64(x);
+            let b = f64(y);
+            d.v = vec3(a / 3.0lf, b * a, min(a, b) + max(a, b) * 0.25lf);
+            d.n = i64(i) * 1000003li + i64(u);
+            var sum = g(&d, u) + g(&d, u >> 2u);
+            for (var k = 0u; k < u % 4u; k++) { if sum > 100.0lf { break; } sum += f64(k) * b % 1.5lf; }
+            let w = u64(u) * 0x100000001lu;
+            let q = d.n / (i64(i) % 3li) + i64(w >> 7u) + (d.n % 0li);
+            let s = select(sum, -sum, a < b) + f64(q % 1000li) + f64(w & 0xfflu) + f64(d.n == 5li);
+            return vec4(f32(s), f32(d.list[0] + d.list[3]), f32(i32(s)) + f32(u32(a)), f32(w) + f32(i64(y)) + f32(u64(x)));
+        }";
+    check(text, "f", 400, 12);
+}
+
+#[test]
+fn sixty_four_bit_arguments_are_refused_by_kernels_and_all_else_by_the_gpu() {
+    let program =
+        Program::from_wgsl("fn f(x: f64) -> f32 { return f32(x); }").expect("the program validates");
+    let f = program.function("f").expect("the function is there");
+    let signature = Signature::varying(&program.module, f);
+    let error = Kernel::compile(&program.module, &program.info, f, &signature, &Options::default())
+        .expect_err("a double is an argument");
+    assert!(matches!(error, CompileError::Unsupported { cause: Unsupported::WideArgument, .. }), "{error}");
+    #[cfg(feature = "gpu")]
+    if let Some(gpu) = common::gpu("sixty_four_bit_arguments_are_refused_by_kernels_and_all_else_by_the_gpu")
+    {
+        let program =
+            Program::from_wgsl("fn f(x: f32) -> f32 { return f32(f64(x) * 2.0lf); }").expect("it validates");
+        let case = Case::new(&program, "f", false).random(10, 2);
+        let error = case.run(Executor::Gpu(gpu)).expect_err("doubles are refused");
+        assert!(
+            matches!(error, Error::Compile(CompileError::Unsupported { cause: Unsupported::Wide, .. })),
+            "{error}"
+        );
+    }
 }
 
 #[test]

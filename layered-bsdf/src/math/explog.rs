@@ -170,31 +170,42 @@ pub mod code {
     /// x to the power y.
     pub fn math_pow(x: f32, y: f32) -> f32 {
         let a = abs(x);
-        let bits = bitcast_u32(a);
-        let pair = math_log2_pair(bits);
-        let one = (a == 1.0) || (y == 0.0);
-        // Infinities, NaN and zero are their own bases: t only needs the sign and size of y·log₂ a.
-        let finite = select(pair.x + pair.y, math_from_bits(0xff80_0000u32), a < MATH_MIN_NORMAL);
-        let log = select(select(finite, a, bits >= 0x7f80_0000u32), 0.0, one);
-        let e = select(y, 0.0, one);
+        let pair = math_log2_pair(bitcast_u32(a));
+        let log = pair.x + pair.y;
+        // No larger exponent has another effect; comparisons let NaN pass.
+        let below = select(y, 1.0e30, y > 1.0e30);
+        let e = select(below, -1.0e30, below < -1.0e30);
         let t = e * log;
-        let above = select(t, 200.0, t > 200.0);
-        let c = select(above, -200.0, above < -200.0);
+        let low = select(t, 200.0, t > 200.0);
+        let c = select(low, -200.0, low < -200.0);
         let n = bitcast_i32(c + MATH_ROUND) - bitcast_i32(MATH_ROUND_BITS);
         let eh = math_head(e);
         let f = (eh * pair.x - f32(n)) + (eh * pair.y + (e - eh) * log);
-        let near = math_scale(math_exp2_core(select(f, 0.0, one)), n);
-        let large = select(near, math_from_bits(0x7f80_0000u32), t > 160.0);
-        let small = select(large, 0.0, t < -160.0);
-        let positive = select(small, t, t != t);
+        let f1 = select(f, 1.0, f > 1.0);
+        let f2 = select(f1, -1.0, f1 < -1.0);
+        let finite = math_scale(math_exp2_core(f2), n);
+        let infinity = math_from_bits(0x7f80_0000u32);
+        let grows = (y > 0.0) == (a > 1.0);
+        let edge = select(finite, select(0.0, infinity, grows), (a < MATH_MIN_NORMAL) || (a == infinity));
+        let known = select(edge, x + y, (x != x) || (y != y));
+        let positive = select(known, 1.0, (a == 1.0) || (y == 0.0));
+        let mut result: f32 = positive;
+        if (bitcast_u32(x) & 0x8000_0000u32) != 0u32 {
+            result = math_pow_negative(x, y, positive);
+        }
+        result
+    }
+
+    /// x to the power y for x with its sign set, given |x| to that power.
+    pub fn math_pow_negative(x: f32, y: f32, r: f32) -> f32 {
         // Every |y| ≥ 2²³ is an integer and every |y| ≥ 2²⁴ is even.
         let whole = i32(y);
         let integer = (f32(whole) == y) || (abs(y) >= 8388608.0);
         let odd = integer && ((whole & 1i32) != 0i32) && (abs(y) < 16777216.0);
-        let sign = select(0u32, bitcast_u32(x) & 0x8000_0000u32, odd);
-        let root = (x <= -MATH_MIN_NORMAL) && !integer && (bits < 0x7f80_0000u32);
-        let signed = bitcast_f32(bitcast_u32(positive) ^ sign);
-        select(signed, math_from_bits(0x7fc0_0000u32), root && (y != 0.0))
+        let signed = bitcast_f32(bitcast_u32(r) ^ select(0u32, 0x8000_0000u32, odd));
+        let finite = (bitcast_u32(x) & 0x7fff_ffffu32) < 0x7f80_0000u32;
+        let root = (x <= -MATH_MIN_NORMAL) && finite && !integer && (y != 0.0);
+        select(signed, math_from_bits(0x7fc0_0000u32), root)
     }
 
     /// 1/√x. Zero gives ∞, a negative number NaN.

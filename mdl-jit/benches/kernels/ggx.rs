@@ -3,7 +3,12 @@
 use wgsl_rs::wgsl;
 
 #[wgsl]
-#[allow(missing_docs, reason = "a benchmark")]
+#[allow(
+    missing_docs,
+    clippy::approx_constant,
+    clippy::assign_op_pattern,
+    reason = "WGSL has one spelling of these"
+)]
 pub mod code {
     use layered_bsdf::math::code::*;
     use wgsl_rs::std::*;
@@ -64,7 +69,7 @@ pub mod code {
         let d = ggx_d(wm, alpha);
         let g1o = ggx_g1(wo, alpha);
         let pdf = d * g1o / (4.0 * wo.z);
-        Sample { wi: wi, pdf: pdf, weight: ggx_g1(wi, alpha), valid: 1 }
+        Sample { wi, pdf, weight: ggx_g1(wi, alpha), valid: 1 }
     }
 }
 pub use code::*;

@@ -3,7 +3,12 @@
 use wgsl_rs::wgsl;
 
 #[wgsl]
-#[allow(missing_docs, reason = "a benchmark")]
+#[allow(
+    missing_docs,
+    clippy::approx_constant,
+    clippy::assign_op_pattern,
+    reason = "WGSL has one spelling of these"
+)]
 pub mod code {
     use crate::kernels::ggx::code::*;
     use wgsl_rs::std::*;

@@ -3,7 +3,12 @@
 use wgsl_rs::wgsl;
 
 #[wgsl]
-#[allow(missing_docs, reason = "a benchmark")]
+#[allow(
+    missing_docs,
+    clippy::approx_constant,
+    clippy::assign_op_pattern,
+    reason = "WGSL has one spelling of these"
+)]
 pub mod code {
     use layered_bsdf::math::code::*;
     use wgsl_rs::std::*;
@@ -14,10 +19,6 @@ pub mod code {
         let a = bitcast_f32(bitcast_u32(u) ^ ((h & 1u32) << 31u32));
         let b = bitcast_f32(bitcast_u32(w) ^ ((h & 2u32) << 30u32));
         a + b
-    }
-
-    pub fn corner(x: u32, y: u32, z: u32) -> u32 {
-        hash_u32(x + hash_u32(y + hash_u32(z)))
     }
 
     pub fn fade(t: f32) -> f32 {
@@ -61,7 +62,7 @@ pub mod code {
         let mut sum: f32 = 0.0;
         let mut size: f32 = 0.5;
         let mut q: Vec3f = p;
-        for i in 0..3 {
+        for _i in 0..3 {
             sum += size * perlin(q);
             size *= 0.5;
             q = q * 2.0;

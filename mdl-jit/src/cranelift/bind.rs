@@ -137,8 +137,9 @@ fn bind<'b>(
     };
     for &index in &k.found.host {
         let name = &k.names[index];
+        let own = batch.externs.get(name).or_else(|| textures.get(name));
         let unbound = || Fault::Binding(format!("the host function `{name}` is not bound"));
-        c.host.push(batch.externs.get(name).or_else(|| textures.get(name)).ok_or_else(unbound)?);
+        c.host.push(own.or_else(|| super::cold::function(name)).ok_or_else(unbound)?);
     }
     c.words[HOST] = c.host.as_ptr() as u64;
     c.words[CONSTANTS] = k.found.constants.as_ptr() as u64;

@@ -9,8 +9,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
 use cranelift_codegen::Context;
-use cranelift_codegen::ir::{self, AbiParam, FuncRef, Signature, types};
-use cranelift_codegen::isa::OwnedTargetIsa;
+use cranelift_codegen::ir::{self, AbiParam, FuncRef, InstBuilder, Signature, types};
+use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module};
 
@@ -71,10 +72,20 @@ pub fn signature(isa: &OwnedTargetIsa) -> Signature {
 }
 
 /// A JIT module with the host's functions declared.
+///
+/// Generated code calls the host through shims that preserve all registers, so that a call, which may be
+/// on a path that is rarely taken, costs nothing around it.
 pub struct Builder {
     module: JITModule,
-    host: FuncId,
-    native: FuncId,
+    host: Shim,
+    native: Shim,
+}
+
+/// A function of the host, and the generated function that calls it.
+#[derive(Clone, Copy)]
+struct Shim {
+    callee: FuncId,
+    caller: FuncId,
 }
 
 fn failed(e: impl std::fmt::Display) -> CompileError {
@@ -89,23 +100,50 @@ impl Builder {
         let mut module = JITModule::new(builder);
         let word = AbiParam::new(types::I32);
         let pointer = AbiParam::new(types::I64);
-        let mut host = Signature::new(isa.default_call_conv());
-        host.params = vec![pointer, word, word, word, pointer];
-        host.returns = vec![word];
-        let mut native = Signature::new(isa.default_call_conv());
-        native.params = vec![word, word, pointer];
-        let host = module.declare_function("lacquer_host", Linkage::Import, &host).map_err(failed)?;
-        let native = module.declare_function("lacquer_native", Linkage::Import, &native).map_err(failed)?;
+        let mut shim = |name: &str, params: Vec<AbiParam>| {
+            let mut signature = Signature::new(isa.default_call_conv());
+            signature.params = params;
+            let callee = module.declare_function(name, Linkage::Import, &signature).map_err(failed)?;
+            signature.call_conv = CallConv::PreserveAll;
+            let caller = module.declare_anonymous_function(&signature).map_err(failed)?;
+            Ok::<_, CompileError>(Shim { callee, caller })
+        };
+        let host = shim("lacquer_host", vec![pointer, word, word, word, pointer])?;
+        let native = shim("lacquer_native", vec![word, word, pointer])?;
         Ok(Self { module, host, native })
     }
 
     /// Makes the host's functions known to `func`.
     pub fn import(&mut self, func: &mut ir::Function) -> [FuncRef; 2] {
-        [self.host, self.native].map(|id| self.module.declare_func_in_func(id, func))
+        [self.host, self.native].map(|shim| self.module.declare_func_in_func(shim.caller, func))
     }
 
-    /// Generates the code.
-    pub fn finish(mut self, context: &mut Context) -> Result<Code, CompileError> {
+    /// Generates a function that passes its arguments on.
+    fn define(&mut self, shim: Shim) -> Result<(), CompileError> {
+        let mut context = self.module.make_context();
+        context.func.signature = self.module.declarations().get_function_decl(shim.caller).signature.clone();
+        let mut builder = FunctionBuilderContext::new();
+        let mut b = FunctionBuilder::new(&mut context.func, &mut builder);
+        let entry = b.create_block();
+        b.append_block_params_for_function_params(entry);
+        b.switch_to_block(entry);
+        b.seal_block(entry);
+        let callee = self.module.declare_func_in_func(shim.callee, b.func);
+        let args = b.block_params(entry).to_vec();
+        b.ins().call(callee, &args);
+        b.ins().return_(&[]);
+        b.finalize(self.module.isa().frontend_config());
+        self.module.define_function(shim.caller, &mut context).map_err(|e| failed(format!("{e:?}")))
+    }
+
+    /// Generates the code, and the shims that it calls the host and its native functions by, if it does.
+    pub fn finish(mut self, context: &mut Context, host: bool, native: bool) -> Result<Code, CompileError> {
+        if host {
+            self.define(self.host)?;
+        }
+        if native {
+            self.define(self.native)?;
+        }
         let id = self.module.declare_anonymous_function(&context.func.signature).map_err(failed)?;
         self.module.define_function(id, context).map_err(|e| failed(format!("{e:?}")))?;
         let size = context.compiled_code().map_or(0, |c| c.code_buffer().len());
@@ -121,33 +159,42 @@ impl Builder {
 
 /// Called by generated code: host function `number` of `table` for the lanes of `mask`. `counts` has the
 /// number of argument leaves in its upper half and that of result leaves in its lower one; `rows` holds
-/// them in this order. Returns 0, or 1 if the function panicked.
+/// them in this order, and after them a row whose first word becomes 1 if the function panicked, else 0.
 extern "C" fn call_host(
     table: *const &dyn HostFunction,
     number: u32,
     mask: u32,
     counts: u32,
     rows: *mut [u32; 4],
-) -> u32 {
+) {
     let (args, results) = ((counts >> 16) as usize, (counts & 0xffff) as usize);
     // SAFETY: generated code passes the table of its context, which `bind` fills with one function per
-    // number, and a stack slot of as many rows as `counts` says.
+    // number, and a stack slot of one more row than `counts` says.
     #[allow(unsafe_code, reason = "the arguments are addresses in generated code")]
     let (function, rows) =
-        unsafe { (*table.add(number as usize), std::slice::from_raw_parts_mut(rows, args + results)) };
+        unsafe { (*table.add(number as usize), std::slice::from_raw_parts_mut(rows, args + results + 1)) };
     let (args, results) = rows.split_at_mut(args);
+    let (status, results) = results.split_last_mut().expect("there is a row for the status");
     let mask = std::array::from_fn(|lane| mask & (1 << lane) != 0);
     let mut call = Call { args, results, mask };
-    u32::from(catch_unwind(AssertUnwindSafe(|| function.call(&mut call))).is_err())
+    status[0] = u32::from(catch_unwind(AssertUnwindSafe(|| function.call(&mut call))).is_err());
 }
 
-/// Called by generated code: native function `number` of the first lanes of the rows, in place.
+/// Called by generated code: native function `number` of the first lanes of the rows, in place; without
+/// lanes, of one double in each row.
 extern "C" fn call_native(number: u32, lanes: u32, rows: *mut [u32; 4]) {
     let fun = Native::ALL[number as usize];
     // SAFETY: generated code passes a stack slot of two rows.
     #[allow(unsafe_code, reason = "the argument is an address in generated code")]
     let rows = unsafe { &mut *rows.cast::<[[u32; 4]; 2]>() };
-    for lane in 0..lanes as usize {
-        rows[0][lane] = fun.f32(u64::from(rows[0][lane]), u64::from(rows[1][lane])) as u32;
+    let [first, second] = rows;
+    if lanes == 0 {
+        let long = |row: &[u32; 4]| u64::from(row[0]) | (u64::from(row[1]) << 32);
+        let result = fun.f64(long(first), long(second));
+        (first[0], first[1]) = (result as u32, (result >> 32) as u32);
+        return;
+    }
+    for (a, &mut b) in first.iter_mut().zip(second).take(lanes as usize) {
+        *a = fun.f32(u64::from(*a), u64::from(b)) as u32;
     }
 }

@@ -25,6 +25,7 @@ pub fn find(options: &Options) -> Result<OwnedTargetIsa, CompileError> {
             set("opt_level", "none")?;
             set("regalloc_algorithm", "single_pass")?;
         }
+        Tier::Plain => set("opt_level", "none")?,
         Tier::Optimised => set("opt_level", "speed")?,
     }
     let native = options.target == Target::Host || !cfg!(target_arch = "x86_64");

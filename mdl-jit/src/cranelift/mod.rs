@@ -1,12 +1,13 @@
 //! The CPU backend: naga functions compiled to code that computes four points at a time.
 //!
-//! [`Kernel::compile`] lowers a function ([`lower`]) for the machine it runs on; [`Kernel::run`] runs it
+//! [`Kernel::compile`] lowers a function (`lower`) for the machine it runs on; [`Kernel::run`] runs it
 //! over a batch. The result equals the `f32` interpreter's bit for bit. Compiled code never traps and
 //! reads and writes nothing outside the batch.
 
 mod abi;
 mod bind;
 mod code;
+mod cold;
 mod emit;
 mod isa;
 mod lower;
@@ -74,6 +75,7 @@ struct Lowered {
     found: Found,
     interface: Interface,
     abi: Abi,
+    single: bool,
     names: Vec<String>,
     buffers: Vec<Option<BufferSize>>,
 }
@@ -91,9 +93,9 @@ impl Kernel {
         let mut builder = code::Builder::new(isa.clone())?;
         let imports = |func: &mut ir::Function| builder.import(func);
         let mut lowered = lower(module, info, function, signature, options, &isa, imports)?;
-        let code = builder.finish(&mut lowered.context)?;
-        let Lowered { found, interface, abi, names, buffers, .. } = lowered;
-        let single = options.lanes == Lanes::One;
+        let (host, native) = (!lowered.found.host.is_empty(), lowered.found.native);
+        let code = builder.finish(&mut lowered.context, host, native)?;
+        let Lowered { found, interface, abi, single, names, buffers, .. } = lowered;
         let steps = options.steps;
         let inner = Inner { code, interface, abi, single, steps, found, names, buffers };
         Ok(Self { inner: Arc::new(inner) })
@@ -158,16 +160,21 @@ fn lower(
     isa: &OwnedTargetIsa,
     mut imports: impl FnMut(&mut ir::Function) -> [FuncRef; 2],
 ) -> Result<Lowered, CompileError> {
-    let plan = Plan::new(module, info, function, &|name| options.replaces(name))?;
-    refuse_wide(&plan)?;
+    let replaced = |name: &str| options.replaces(name) || cold::function(name).is_some();
+    let plan = Plan::new(module, info, function, &replaced)?;
     let interface = Interface::new(&plan, function, signature)?;
+    let single = options.lanes == Lanes::One || wide(&plan).is_some();
+    if interface.args.iter().flat_map(|a| &a.kinds).chain(&interface.outputs).any(|k| k.is_wide()) {
+        let function = plan.get(function).name.clone();
+        return Err(CompileError::Unsupported { function, cause: Unsupported::WideArgument });
+    }
     let abi = Abi::new(&interface, plan.globals.len());
     let job = Job {
         plan: &plan,
         root: function,
         interface: &interface,
         abi: &abi,
-        single: options.lanes == Lanes::One,
+        single,
         rounds: isa::rounds(isa),
         steps: options.steps,
         max_expressions: options.max_expressions,
@@ -191,7 +198,7 @@ fn lower(
             })?;
     }
     let buffers = (0..plan.globals.len()).map(|i| buffer(&plan, i)).collect();
-    Ok(Lowered { context, found, interface, abi, names, buffers })
+    Ok(Lowered { context, found, interface, abi, single, names, buffers })
 }
 
 /// What the buffer behind a global variable must hold, if it is one.
@@ -209,22 +216,27 @@ pub(crate) fn buffer(plan: &Plan<'_>, index: usize) -> Option<BufferSize> {
     Some(BufferSize { least, padded: least.max(start + last) })
 }
 
-/// Vectors of 64-bit values have two lanes; this backend has four everywhere.
-pub(crate) fn refuse_wide(plan: &Plan<'_>) -> Result<(), CompileError> {
-    for f in plan.functions.iter().flatten() {
+/// The first function that computes with 64-bit values. Vectors of them have two lanes, so such code is
+/// compiled for one point at a time.
+fn wide<'p>(plan: &'p Plan<'_>) -> Option<&'p str> {
+    let is_wide = |ty| match plan.types[ty].shape {
+        Shape::Scalar(k) | Shape::Vector { kind: k, .. } | Shape::Matrix { kind: k, .. } => k.is_wide(),
+        Shape::Pointer(_) | Shape::Opaque(_) => false,
+        _ => plan.types.kinds(ty).is_ok_and(|kinds| kinds.into_iter().any(Kind::is_wide)),
+    };
+    let mut functions = plan.functions.iter().flatten();
+    let found = functions.find(|f| {
         let all = f.types.iter().chain(&f.args).chain(&f.result).copied();
-        for ty in all.chain(f.locals.iter().map(|l| l.ty)) {
-            let wide = match plan.types[ty].shape {
-                Shape::Scalar(k) | Shape::Vector { kind: k, .. } | Shape::Matrix { kind: k, .. } => {
-                    k.is_wide()
-                }
-                Shape::Pointer(_) | Shape::Opaque(_) => false,
-                _ => plan.types.kinds(ty).is_ok_and(|kinds| kinds.into_iter().any(Kind::is_wide)),
-            };
-            if wide {
-                return Err(CompileError::Unsupported { function: f.name.clone(), cause: Unsupported::Wide });
-            }
-        }
+        all.chain(f.locals.iter().map(|l| l.ty)).any(is_wide)
+    });
+    found.map(|f| f.name.as_str())
+}
+
+/// Refuses 64-bit values.
+#[cfg(feature = "gpu")]
+pub(crate) fn refuse_wide(plan: &Plan<'_>) -> Result<(), CompileError> {
+    match wide(plan) {
+        None => Ok(()),
+        Some(name) => Err(CompileError::Unsupported { function: name.into(), cause: Unsupported::Wide }),
     }
-    Ok(())
 }

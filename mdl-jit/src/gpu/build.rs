@@ -78,8 +78,16 @@ impl Writer<'_> {
         self.body.push(Statement::Store { pointer, value }, NONE);
     }
 
+    /// What `f` writes, done where `condition` holds.
+    fn when(&mut self, condition: Handle<Expression>, f: impl FnOnce(&mut Self)) {
+        let outer = std::mem::take(&mut self.body);
+        f(self);
+        let accept = std::mem::replace(&mut self.body, outer);
+        self.body.push(Statement::If { condition, accept, reject: Block::new() }, NONE);
+    }
+
     /// A leaf of a scalar type from a word.
-    fn from_word(&mut self, word: Handle<Expression>, scalar: Scalar) -> Handle<Expression> {
+    fn leaf_of_word(&mut self, word: Handle<Expression>, scalar: Scalar) -> Handle<Expression> {
         match scalar.kind {
             ScalarKind::Bool => {
                 let zero = self.word(0);
@@ -218,7 +226,9 @@ pub fn kernel(mut module: Module, root: Handle<Function>, modes: &[ArgMode], ste
 
 /// Makes every loop break when the counter is spent.
 fn bound_loops(module: &mut Module, known: &Known, steps: u32) -> Handle<GlobalVariable> {
-    let init = module.global_expressions.append(Expression::Literal(Literal::U32(steps)), NONE);
+    // The step that spends the counter is the first beyond the budget.
+    let first = Literal::U32(steps.saturating_add(1));
+    let init = module.global_expressions.append(Expression::Literal(first), NONE);
     let counter = module.global_variables.append(
         GlobalVariable {
             name: Some("steps_left".into()),
@@ -281,6 +291,14 @@ fn count_step(f: &mut Function, counter: Handle<GlobalVariable>) -> Block {
     block
 }
 
+/// The bindings of group 0.
+struct Bindings {
+    inputs: Handle<GlobalVariable>,
+    outputs: Handle<GlobalVariable>,
+    params: Handle<GlobalVariable>,
+    faults: Handle<GlobalVariable>,
+}
+
 fn entry(
     module: &mut Module,
     known: &Known,
@@ -288,10 +306,12 @@ fn entry(
     modes: &[ArgMode],
     counter: Handle<GlobalVariable>,
 ) {
-    let inputs = binding(module, known.words, "inputs", 0, false);
-    let outputs = binding(module, known.words, "outputs", 1, true);
-    let params = binding(module, known.words, "params", 2, false);
-    let faults = binding(module, known.words, "faults", 3, true);
+    let bindings = Bindings {
+        inputs: binding(module, known.words, "inputs", 0, false),
+        outputs: binding(module, known.words, "outputs", 1, true),
+        params: binding(module, known.words, "params", 2, false),
+        faults: binding(module, known.words, "faults", 3, true),
+    };
     let id_type = declare(module, TypeInner::Vector { size: VectorSize::Tri, scalar: Scalar::U32 });
     let mut w = Writer { module, f: Function::default(), body: Block::new() };
     w.f.arguments.push(naga::FunctionArgument {
@@ -302,30 +322,68 @@ fn entry(
     let id = w.bare(Expression::FunctionArgument(0));
     let point = w.emit(Expression::AccessIndex { base: id, index: 0 });
     let zero = w.word(0);
-    let count = w.load(params, zero);
+    let count = w.load(bindings.params, zero);
     let outside = w.binary(naga::BinaryOperator::GreaterEqual, point, count);
-    let mut leave = Block::new();
-    leave.push(Statement::Return { value: None }, NONE);
-    w.body.push(Statement::If { condition: outside, accept: leave, reject: Block::new() }, NONE);
+    w.when(outside, |w| w.body.push(Statement::Return { value: None }, NONE));
+    let words = call(&mut w, &bindings, root, modes, point);
+    for (i, value) in words.into_iter().enumerate() {
+        let number = w.word(i as u32);
+        let column = w.binary(naga::BinaryOperator::Multiply, number, count);
+        let index = w.binary(naga::BinaryOperator::Add, column, point);
+        w.store(bindings.outputs, index, value);
+    }
+    // A point whose steps are spent says so; any one of them will do.
+    let pointer = w.bare(Expression::GlobalVariable(counter));
+    let left = w.emit(Expression::Load { pointer });
+    let spent = w.binary(naga::BinaryOperator::Equal, left, zero);
+    w.when(spent, |w| {
+        let one = w.word(1);
+        let number = w.binary(naga::BinaryOperator::Add, point, one);
+        w.store(bindings.faults, zero, number);
+    });
+    w.body.push(Statement::Return { value: None }, NONE);
+    let Writer { mut f, body, .. } = w;
+    f.body = body;
+    module.entry_points.push(naga::EntryPoint {
+        name: "main".into(),
+        stage: naga::ShaderStage::Compute,
+        early_depth_test: None,
+        workgroup_size: [GROUP, 1, 1],
+        workgroup_size_overrides: None,
+        function: f,
+        mesh_info: None,
+        task_payload: None,
+        incoming_ray_payload: None,
+    });
+}
 
+/// Calls the function for a point; returns the words of the result and of variables.
+fn call(
+    w: &mut Writer<'_>,
+    bindings: &Bindings,
+    root: Handle<Function>,
+    modes: &[ArgMode],
+    point: Handle<Expression>,
+) -> Vec<Handle<Expression>> {
     let mut leaf = 0;
     let mut read = |w: &mut Writer<'_>, scalar: Scalar| {
         let (at, stride) = (w.word(1 + 2 * leaf), w.word(2 + 2 * leaf));
         leaf += 1;
-        let (at, stride) = (w.load(params, at), w.load(params, stride));
+        let (at, stride) = (w.load(bindings.params, at), w.load(bindings.params, stride));
         let offset = w.binary(naga::BinaryOperator::Multiply, point, stride);
         let index = w.binary(naga::BinaryOperator::Add, at, offset);
-        let word = w.load(inputs, index);
-        w.from_word(word, scalar)
+        let word = w.load(bindings.inputs, index);
+        w.leaf_of_word(word, scalar)
     };
-    let callee = &w.module.functions[root];
+    let module = w.module;
+    let callee = &module.functions[root];
     let (mut arguments, mut variables) = (Vec::new(), Vec::new());
     for (argument, mode) in callee.arguments.iter().zip(modes) {
-        let ty = match w.module.types[argument.ty].inner {
+        let ty = match module.types[argument.ty].inner {
             TypeInner::Pointer { base, .. } => base,
             TypeInner::ValuePointer { size, scalar, .. } => {
                 let inner = size.map_or(TypeInner::Scalar(scalar), |size| TypeInner::Vector { size, scalar });
-                find(w.module, &inner).unwrap_or(argument.ty)
+                find(module, &inner).unwrap_or(argument.ty)
             }
             _ => argument.ty,
         };
@@ -347,42 +405,11 @@ fn entry(
     w.body.push(Statement::Call { function: root, arguments, result: result.map(|(h, _)| h) }, NONE);
     let mut words = Vec::new();
     if let Some((value, ty)) = result {
-        let inner = w.module.types[ty].inner.clone();
-        w.leaves(value, &inner, &mut words);
+        w.leaves(value, &module.types[ty].inner, &mut words);
     }
     for (pointer, ty) in variables {
         let value = w.emit(Expression::Load { pointer });
-        let inner = w.module.types[ty].inner.clone();
-        w.leaves(value, &inner, &mut words);
+        w.leaves(value, &module.types[ty].inner, &mut words);
     }
-    for (i, value) in words.into_iter().enumerate() {
-        let number = w.word(i as u32);
-        let column = w.binary(naga::BinaryOperator::Multiply, number, count);
-        let index = w.binary(naga::BinaryOperator::Add, column, point);
-        w.store(outputs, index, value);
-    }
-    // A point whose steps are spent says so; any one of them will do.
-    let pointer = w.bare(Expression::GlobalVariable(counter));
-    let left = w.emit(Expression::Load { pointer });
-    let spent = w.binary(naga::BinaryOperator::Equal, left, zero);
-    let one = w.word(1);
-    let number = w.binary(naga::BinaryOperator::Add, point, one);
-    let outer = std::mem::take(&mut w.body);
-    w.store(faults, zero, number);
-    let report = std::mem::replace(&mut w.body, outer);
-    w.body.push(Statement::If { condition: spent, accept: report, reject: Block::new() }, NONE);
-    w.body.push(Statement::Return { value: None }, NONE);
-    let Writer { mut f, body, .. } = w;
-    f.body = body;
-    module.entry_points.push(naga::EntryPoint {
-        name: "main".into(),
-        stage: naga::ShaderStage::Compute,
-        early_depth_test: None,
-        workgroup_size: [GROUP, 1, 1],
-        workgroup_size_overrides: None,
-        function: f,
-        mesh_info: None,
-        task_payload: None,
-        incoming_ray_payload: None,
-    });
+    words
 }

@@ -135,18 +135,8 @@ impl<'a, R: Real> Machine<'a, R> {
                     self.switch(function, r, value, cases)?
                 }
                 Statement::Loop { body, continuing, break_if } => {
-                    let mut flow = Flow::Next;
-                    while flow == Flow::Next {
-                        self.step(function, *span)?;
-                        flow = self.block(function, r, body)?;
-                        if matches!(flow, Flow::Next | Flow::Continue) {
-                            flow = self.block(function, r, continuing)?;
-                            if break_if.is_some_and(|c| self.scalar(r, c.index()) != 0) {
-                                flow = Flow::Break;
-                            }
-                        }
-                    }
-                    if flow == Flow::Break { Flow::Next } else { flow }
+                    let break_if = break_if.map(|c| c.index());
+                    self.repeat(function, r, (body, continuing), break_if, *span)?
                 }
                 Statement::Break => Flow::Break,
                 Statement::Continue => Flow::Continue,
@@ -162,16 +152,8 @@ impl<'a, R: Real> Machine<'a, R> {
                     Flow::Next
                 }
                 Statement::Call { function: callee, arguments, result } => {
-                    let to = routine(self.set.image, *callee);
-                    for (a, span) in arguments.iter().zip(&to.args) {
-                        let from = r.code[a.index()].1;
-                        self.memory.copy_within(from.range(), span.at as usize);
-                    }
                     self.step(function, *span)?;
-                    self.enter(*callee)?;
-                    if let Some(result) = result {
-                        self.memory.copy_within(to.result.range(), r.code[result.index()].1.at as usize);
-                    }
+                    self.call(r, *callee, arguments, *result)?;
                     Flow::Next
                 }
                 other => unreachable!("{other:?} is refused by the plan"),
@@ -181,6 +163,47 @@ impl<'a, R: Real> Machine<'a, R> {
             }
         }
         Ok(Flow::Next)
+    }
+
+    fn repeat(
+        &mut self,
+        function: Handle<naga::Function>,
+        r: &'a Routine,
+        (body, continuing): (&'a Block, &'a Block),
+        break_if: Option<usize>,
+        span: naga::Span,
+    ) -> Result<Flow, Fault> {
+        let mut flow = Flow::Next;
+        while flow == Flow::Next {
+            self.step(function, span)?;
+            flow = self.block(function, r, body)?;
+            if matches!(flow, Flow::Next | Flow::Continue) {
+                flow = self.block(function, r, continuing)?;
+                if break_if.is_some_and(|c| self.scalar(r, c) != 0) {
+                    flow = Flow::Break;
+                }
+            }
+        }
+        Ok(if flow == Flow::Break { Flow::Next } else { flow })
+    }
+
+    fn call(
+        &mut self,
+        r: &Routine,
+        callee: Handle<naga::Function>,
+        arguments: &[Handle<naga::Expression>],
+        result: Option<Handle<naga::Expression>>,
+    ) -> Result<(), Fault> {
+        let to = routine(self.set.image, callee);
+        for (a, span) in arguments.iter().zip(&to.args) {
+            let from = r.code[a.index()].1;
+            self.memory.copy_within(from.range(), span.at as usize);
+        }
+        self.enter(callee)?;
+        if let Some(result) = result {
+            self.memory.copy_within(to.result.range(), r.code[result.index()].1.at as usize);
+        }
+        Ok(())
     }
 
     fn switch(

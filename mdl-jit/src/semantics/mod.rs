@@ -1,11 +1,14 @@
 //! What the operations of naga IR mean, in scalar primitives.
 //!
 //! An executor supplies the primitives ([`Scalars`]): arithmetic on single leaves. Everything made of
-//! them — vectors, matrices, geometric and packing functions — is written once, in [`composite`], over
+//! them — vectors, matrices, geometric and packing functions — is written once, in `composite`, over
 //! that trait. So all executors perform the same primitives in the same order, and their results are
 //! equal bit for bit by construction; only the primitives and control flow need comparing.
 //!
 //! Does not: control flow, memory, calls. Would break if: an executor contracted or reordered floats.
+//!
+//! A new primitive is a variant here and an arm in `interp/real.rs` and `cranelift/emit`; a new composite
+//! is an arm in `composite`. A new function of the math library touches nothing here: it is IR.
 //!
 //! # The table of edges
 //!
@@ -44,7 +47,9 @@
 //! | variables | zero unless initialised |
 //! | loops | a step budget per point; exceeding it ends the run with a fault |
 
+mod bits;
 mod composite;
+mod geometry;
 mod native;
 
 pub use composite::{Form, Pure, evaluate};

@@ -112,6 +112,7 @@ pub struct Case<'p> {
 }
 
 /// The GPU, or the reason why there is none, which fails the test if `LACQUER_REQUIRE_GPU` is 1.
+#[cfg(feature = "gpu")]
 pub fn gpu(test: &str) -> Option<&'static mdl_jit::gpu::Context> {
     static CONTEXT: std::sync::OnceLock<Result<mdl_jit::gpu::Context, String>> = std::sync::OnceLock::new();
     match CONTEXT.get_or_init(|| mdl_jit::gpu::Context::new().map_err(|e| e.to_string())) {
@@ -217,6 +218,7 @@ impl<'p> Case<'p> {
         vec![
             ("4 lanes", Options { lanes: Lanes::Four, ..o.clone() }),
             ("1 lane", Options { lanes: Lanes::One, ..o.clone() }),
+            ("plain tier", Options { tier: Tier::Plain, ..o.clone() }),
             ("fast tier", Options { tier: Tier::Fast, ..o.clone() }),
             ("SSE4.1", Options { target: Target::Sse41, ..o.clone() }),
             ("SSE2", Options { target: Target::Baseline, ..o.clone() }),

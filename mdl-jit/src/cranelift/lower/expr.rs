@@ -38,7 +38,7 @@ impl Lower<'_, '_> {
             Node::Constant(ref bits) => {
                 let kinds = self.plan.types.kinds(ty)?;
                 let leaves: Vec<V> =
-                    kinds.iter().zip(bits.iter()).map(|(&k, &b)| Emit::known(k, b as u32)).collect();
+                    kinds.iter().zip(bits.iter()).map(|(&k, &b)| Emit::known(k, b)).collect();
                 self.keep(&leaves)
             }
             Node::Argument(i) => self.frame().args[i as usize],
@@ -136,7 +136,9 @@ impl Lower<'_, '_> {
         let step = self.e.binary(Binary::Mul, Kind::U32, i, unit);
         let function = self.frame().function;
         let mut out = Vec::new();
-        if let Node::Constant(ref bits) = function.nodes[base] {
+        if let Node::Constant(ref bits) = function.nodes[base]
+            && !kinds.iter().any(|k| k.is_wide())
+        {
             let first = self.constants.len();
             self.constants.extend(bits.iter().map(|&b| b as u32));
             let table = self.context_word(crate::cranelift::abi::CONSTANTS);

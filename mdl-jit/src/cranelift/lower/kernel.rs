@@ -20,7 +20,7 @@ use crate::types::{Kind, Shape};
 /// The host functions that lowered code calls.
 #[derive(Clone, Copy)]
 pub struct Imports {
-    /// `fn(table, number, mask, counts, rows) -> status`.
+    /// `fn(table, number, mask, counts, rows)`.
     pub host: FuncRef,
     /// `fn(number, lanes, rows)`.
     pub native: FuncRef,
@@ -44,6 +44,8 @@ pub struct Found {
     pub faults: Vec<FaultSite>,
     /// Indices of the host functions called.
     pub host: Vec<usize>,
+    /// Whether native functions are called.
+    pub native: bool,
     /// Words of constant tables.
     pub constants: Vec<u32>,
 }
@@ -84,7 +86,7 @@ pub fn lower(
     let native = Some((imports.native, slot));
     let mut lower = Lower {
         plan: job.plan,
-        e: Emit { b, rounds: job.rounds, native },
+        e: Emit { b, rounds: job.rounds, native, native_used: false },
         flags,
         abi: job.abi,
         single: job.single,
@@ -114,10 +116,12 @@ pub fn lower(
     lower.e.b.def_var(position, next);
     lower.e.b.ins().jump(header, &[]);
     lower.e.b.seal_block(header);
-    let (faults, host) = (lower.faults, lower.host_names);
+    let (faults, host, native) = (lower.faults, lower.host_names, lower.e.native_used);
     lower.e.b.finalize(config);
-    Ok(Found { faults, host, constants })
+    Ok(Found { faults, host, native, constants })
 }
+
+type Variables = Vec<(usize, u32)>;
 
 impl<'a> Lower<'a, '_> {
     /// One group of points.
@@ -155,7 +159,8 @@ impl<'a> Lower<'a, '_> {
         Ok(())
     }
 
-    fn arguments(&mut self, job: &Job<'a>) -> Lowered<(Vec<Val>, Vec<(usize, u32)>)> {
+    /// The values of the arguments, and the variables behind pointers with their numbers of leaves.
+    fn arguments(&mut self, job: &Job<'a>) -> Lowered<(Vec<Val>, Variables)> {
         let function = self.plan.get(job.root);
         let (mut args, mut variables) = (Vec::new(), Vec::new());
         for (i, arg) in job.interface.args.iter().enumerate() {
@@ -192,7 +197,7 @@ impl<'a> Lower<'a, '_> {
         }
         let at = 8 * word as i32;
         let bits = self.e.b.ins().load(types::I32, fixed_memory(), self.context, at);
-        self.from_words(Emit::uniform_leaf(Kind::U32, bits), kind)
+        self.leaf_of_words(Emit::uniform_leaf(Kind::U32, bits), kind)
     }
 
     fn write_output(&mut self, i: usize, v: V) {

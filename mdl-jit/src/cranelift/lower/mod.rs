@@ -19,13 +19,15 @@
 //! follows stays uniform and unmasked.
 //!
 //! Relies on: the module is validated. Does not: simplify expressions (Cranelift does), store to
-//! buffers, 64-bit kinds. Would break if: naga let a value be used outside the block that emits it.
+//! buffers, put 64-bit kinds into lanes (code with them computes one point at a time). Would break if:
+//! naga let a value be used outside the block that emits it.
 //! Cost: 60 to 150 µs a round for functions of some hundred expressions, less than code generation.
 
 mod expr;
 mod flow;
 mod kernel;
 mod place;
+mod read;
 
 use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, Value, types};
 use cranelift_frontend::Variable;
@@ -48,14 +50,21 @@ pub struct Flags {
     known: Vec<bool>,
     raised: Vec<bool>,
     next: usize,
-    begun: bool,
+    rounds: u32,
 }
+
+/// After this many rounds everything is taken to vary. Real code settles much sooner; code made to need
+/// a round for every variable must not take as many.
+const MAX_ROUNDS: u32 = 16;
 
 impl Flags {
     /// Begins a round. False if the last round raised nothing new.
     pub fn begin(&mut self) -> bool {
-        let again = !self.begun || self.known != self.raised;
-        self.begun = true;
+        let again = self.rounds == 0 || self.known != self.raised;
+        self.rounds += 1;
+        if self.rounds > MAX_ROUNDS {
+            self.raised.fill(true);
+        }
         self.known.clone_from(&self.raised);
         self.next = 0;
         again
@@ -257,7 +266,7 @@ impl<'a> Lower<'a, '_> {
         }
         for leaf in 0..self.vars[var].kinds.len() {
             let kind = self.vars[var].kinds[leaf];
-            let v = Emit::known(kind, init.map_or(0, |bits| bits[leaf] as u32));
+            let v = Emit::known(kind, init.map_or(0, |bits| bits[leaf]));
             self.put(var, leaf as u32, v);
         }
     }
@@ -342,7 +351,7 @@ impl<'a> Lower<'a, '_> {
         let kinds = function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))?;
         let leaves: Vec<V> = args.iter().flat_map(|&a| self.leaves(a).to_vec()).collect();
         let varying = leaves.iter().any(|v| v.is_varying());
-        let rows = self.slot(16 * (leaves.len() + kinds.len()).max(1))?;
+        let rows = self.slot(16 * (leaves.len() + kinds.len() + 1))?;
         let address = self.e.b.ins().stack_addr(types::I64, rows, 0);
         for (i, &v) in leaves.iter().enumerate() {
             // Truth values are passed as masks in any case.
@@ -364,8 +373,9 @@ impl<'a> Lower<'a, '_> {
         let table = self.context_word(super::abi::HOST);
         let number = self.e.b.ins().iconst(types::I32, index as i64);
         let counts = self.e.b.ins().iconst(types::I32, ((leaves.len() << 16) | kinds.len()) as i64);
-        let call = self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
-        let status = self.e.b.inst_results(call)[0];
+        self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
+        let at = 16 * (leaves.len() + kinds.len()) as i32;
+        let status = self.e.b.ins().load(types::I32, super::emit::memory(), address, at);
         self.fault_if(status, FaultSite::Host { index });
         let mut out = Vec::new();
         for (i, kind) in kinds.into_iter().enumerate() {

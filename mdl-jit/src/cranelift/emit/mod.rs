@@ -12,18 +12,22 @@
 use std::marker::PhantomData;
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
+use cranelift_codegen::ir::immediates::{Ieee32, Ieee64};
 use cranelift_codegen::ir::{self, Endianness, InstBuilder, MemFlagsData, Type, Value, types};
 use cranelift_frontend::FunctionBuilder;
 
 use crate::interp::Words;
-use crate::semantics::{Binary, Native, Scalars, Unary};
+use crate::semantics::{Binary, Scalars, Unary};
 use crate::types::Kind;
+
+mod convert;
+mod scalars;
 
 /// Where a leaf is.
 #[derive(Clone, Copy, Debug)]
 pub enum Data {
-    /// Known while compiling.
-    Known(u32),
+    /// Known while compiling: the bits, zero-extended.
+    Known(u64),
     /// One for all lanes.
     Uniform(Value),
     /// One per lane.
@@ -43,7 +47,7 @@ impl V {
     }
 
     /// The constant that it is known to be.
-    pub fn known(self) -> Option<u32> {
+    pub fn known(self) -> Option<u64> {
         if let Data::Known(bits) = self.data { Some(bits) } else { None }
     }
 }
@@ -53,21 +57,26 @@ pub struct Emit<'f> {
     pub b: FunctionBuilder<'f>,
     /// Whether there are instructions that round vectors.
     pub rounds: bool,
-    /// Imported host function of [`Native`] functions and the slot for its operands.
+    /// Imported host function of [`Native`](crate::semantics::Native) functions and the slot for its operands.
     pub native: Option<(ir::FuncRef, ir::StackSlot)>,
+    /// Whether it is called.
+    pub native_used: bool,
 }
 
 /// The type of a scalar of this kind.
 pub fn scalar_type(kind: Kind) -> Type {
     match kind {
-        Kind::F32 => types::F32,
         Kind::Bool => types::I8,
-        _ => types::I32,
+        Kind::I32 | Kind::U32 => types::I32,
+        Kind::F32 => types::F32,
+        Kind::I64 | Kind::U64 => types::I64,
+        Kind::F64 => types::F64,
     }
 }
 
-/// The type of four lanes of this kind.
+/// The type of four lanes of this kind. There are no lanes of 64 bits.
 pub fn lanes_type(kind: Kind) -> Type {
+    debug_assert!(!kind.is_wide());
     if kind == Kind::F32 { types::F32X4 } else { types::I32X4 }
 }
 
@@ -86,8 +95,8 @@ pub fn fixed_memory() -> MemFlagsData {
 }
 
 impl Emit<'_> {
-    pub fn known(kind: Kind, bits: u32) -> V {
-        V { kind, data: Data::Known(bits) }
+    pub fn known(kind: Kind, bits: impl Into<u64>) -> V {
+        V { kind, data: Data::Known(bits.into()) }
     }
 
     pub fn uniform_leaf(kind: Kind, value: Value) -> V {
@@ -112,9 +121,9 @@ impl Emit<'_> {
         match v.data {
             Data::Uniform(x) => x,
             Data::Known(bits) => match v.kind {
-                Kind::F32 => self.b.ins().f32const(ir::immediates::Ieee32::with_bits(bits)),
-                Kind::Bool => self.b.ins().iconst(types::I8, i64::from(bits)),
-                _ => self.int_const(bits),
+                Kind::F32 => self.b.ins().f32const(Ieee32::with_bits(bits as u32)),
+                Kind::F64 => self.b.ins().f64const(Ieee64::with_bits(bits)),
+                kind => self.b.ins().iconst(scalar_type(kind), bits as i64),
             },
             Data::Varying(_) => unreachable!("a varying leaf has no scalar"),
         }
@@ -131,6 +140,7 @@ impl Emit<'_> {
         match v.data {
             Data::Varying(x) => x,
             Data::Known(bits) => {
+                let bits = bits as u32;
                 let bits = if v.kind == Kind::Bool { 0u32.wrapping_sub(bits) } else { bits };
                 self.vector_const(lanes_type(v.kind), bits)
             }
@@ -205,7 +215,7 @@ impl Emit<'_> {
         self.b.ins().fcmp(cc, x, y)
     }
 
-    fn float_binary(&mut self, op: Binary, varying: bool, x: Value, y: Value) -> V {
+    fn float_binary(&mut self, op: Binary, kind: Kind, varying: bool, x: Value, y: Value) -> V {
         let b = &mut self.b;
         let value = match op {
             Binary::Add => b.ins().fadd(x, y),
@@ -222,7 +232,7 @@ impl Emit<'_> {
                 return self.leaf(Kind::Bool, varying, c);
             }
         };
-        self.leaf(Kind::F32, varying, value)
+        self.leaf(kind, varying, value)
     }
 
     fn int_compare(&mut self, op: Binary, signed: bool, x: Value, y: Value) -> Value {
@@ -243,14 +253,16 @@ impl Emit<'_> {
     }
 
     /// Division of scalars with a divisor that cannot trap.
-    fn divide(&mut self, op: Binary, signed: bool, x: Value, y: Value, known: Option<u32>) -> Value {
+    fn divide(&mut self, op: Binary, signed: bool, x: Value, y: Value, known: Option<u64>) -> Value {
+        let ty = self.b.func.dfg.value_type(x);
+        let (ones, least) = (u64::MAX >> (64 - ty.bits()), i64::MIN >> (64 - ty.bits()));
         let safe = match known {
-            Some(d) if d != 0 && d != u32::MAX => y,
+            Some(d) if d != 0 && d != ones => y,
             _ => {
-                let one = self.int_const(1);
+                let one = self.b.ins().iconst(ty, 1);
                 let mut bad = self.b.ins().icmp_imm_s(IntCC::Equal, y, 0);
                 if signed {
-                    let least = self.b.ins().icmp_imm_s(IntCC::Equal, x, i64::from(i32::MIN));
+                    let least = self.b.ins().icmp_imm_s(IntCC::Equal, x, least);
                     let minus = self.b.ins().icmp_imm_s(IntCC::Equal, y, -1);
                     let overflow = self.b.ins().band(least, minus);
                     bad = self.b.ins().bor(bad, overflow);
@@ -337,13 +349,13 @@ impl Emit<'_> {
         if varying { self.b.ins().bnot(x) } else { self.b.ins().bxor_imm_u(x, 1) }
     }
 
-    fn float_unary(&mut self, op: Unary, varying: bool, x: Value) -> Value {
+    fn float_unary(&mut self, op: Unary, kind: Kind, varying: bool, x: Value) -> Value {
         let b = &mut self.b;
         match op {
             Unary::Neg => b.ins().fneg(x),
             Unary::Abs => b.ins().fabs(x),
             Unary::Sqrt => b.ins().sqrt(x),
-            _ if !self.rounds => self.round_by_hand(op, varying, x),
+            _ if !self.rounds => self.round_by_hand(op, kind, varying, x),
             Unary::Floor => b.ins().floor(x),
             Unary::Ceil => b.ins().ceil(x),
             Unary::Trunc => b.ins().trunc(x),
@@ -351,8 +363,8 @@ impl Emit<'_> {
         }
     }
 
-    fn float_const(&mut self, varying: bool, x: f32) -> Value {
-        let v = Self::known(Kind::F32, x.to_bits());
+    fn float_const(&mut self, kind: Kind, varying: bool, x: f64) -> Value {
+        let v = self.float(kind, x);
         self.operand(v, varying)
     }
 
@@ -360,50 +372,10 @@ impl Emit<'_> {
         if varying {
             return self.blend(c, t, f);
         }
-        let (t, f) = (self.cast(types::I32, t), self.cast(types::I32, f));
+        let floats = self.b.func.dfg.value_type(t);
+        let ints = floats.as_int();
+        let (t, f) = (self.cast(ints, t), self.cast(ints, f));
         let r = self.b.ins().select(c, t, f);
-        self.cast(types::F32, r)
-    }
-
-    /// Rounding without an instruction for it: numbers from 2²³ on are integers already.
-    fn round_by_hand(&mut self, op: Unary, varying: bool, x: Value) -> Value {
-        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
-        let limit = self.float_const(varying, 8388608.0);
-        let one = self.float_const(varying, 1.0);
-        let a = self.b.ins().fabs(x);
-        let whole = if op == Unary::Round {
-            let sum = self.b.ins().fadd(a, limit);
-            let near = self.b.ins().fsub(sum, limit);
-            self.copy_sign(ints, floats, near, x)
-        } else {
-            let i = self.b.ins().fcvt_to_sint_sat(ints, x);
-            let t = self.b.ins().fcvt_from_sint(floats, i);
-            let t = self.copy_sign(ints, floats, t, x);
-            match op {
-                Unary::Floor => {
-                    let above = self.b.ins().fcmp(FloatCC::LessThan, x, t);
-                    let lower = self.b.ins().fsub(t, one);
-                    self.choose(varying, above, lower, t)
-                }
-                Unary::Ceil => {
-                    let below = self.b.ins().fcmp(FloatCC::LessThan, t, x);
-                    let upper = self.b.ins().fadd(t, one);
-                    self.choose(varying, below, upper, t)
-                }
-                _ => t,
-            }
-        };
-        let small = self.b.ins().fcmp(FloatCC::LessThan, a, limit);
-        self.choose(varying, small, whole, x)
-    }
-
-    fn copy_sign(&mut self, ints: Type, floats: Type, x: Value, sign: Value) -> Value {
-        let (x, sign) = (self.cast(ints, x), self.cast(ints, sign));
-        let mask =
-            if ints == types::I32 { self.int_const(1 << 31) } else { self.vector_const(ints, 1 << 31) };
-        let sign = self.b.ins().band(sign, mask);
-        let x = self.b.ins().band_not(x, mask);
-        let r = self.b.ins().bor(x, sign);
         self.cast(floats, r)
     }
 
@@ -423,145 +395,8 @@ impl Emit<'_> {
         }
     }
 
-    fn convert_value(&mut self, from: Kind, to: Kind, varying: bool, x: Value) -> Value {
-        let (ints, floats) = if varying { (types::I32X4, types::F32X4) } else { (types::I32, types::F32) };
-        match (from, to) {
-            (Kind::F32, Kind::Bool) => {
-                let zero = self.float_const(varying, 0.0);
-                self.b.ins().fcmp(FloatCC::NotEqual, x, zero)
-            }
-            (Kind::F32, Kind::I32) => self.b.ins().fcvt_to_sint_sat(ints, x),
-            (Kind::F32, Kind::U32) => self.b.ins().fcvt_to_uint_sat(ints, x),
-            (Kind::I32, Kind::F32) => self.b.ins().fcvt_from_sint(floats, x),
-            (Kind::U32, Kind::F32) => self.b.ins().fcvt_from_uint(floats, x),
-            (Kind::I32 | Kind::U32, Kind::Bool) => {
-                let zero = self.operand(Self::known(from, 0), varying);
-                self.b.ins().icmp(IntCC::NotEqual, x, zero)
-            }
-            (Kind::Bool, Kind::I32 | Kind::U32) if varying => self.b.ins().ushr_imm_u(x, 31),
-            (Kind::Bool, Kind::I32 | Kind::U32) => self.b.ins().uextend(ints, x),
-            (Kind::Bool, Kind::F32) => {
-                let i = self.convert_value(from, Kind::I32, varying, x);
-                self.b.ins().fcvt_from_sint(floats, i)
-            }
-            _ => x,
-        }
-    }
-
     /// Folds an operation on constants with the interpreter's own primitives.
     fn fold(result: Kind, f: impl FnOnce(&mut Words<f32>) -> u64) -> V {
-        Self::known(result, f(&mut Words(PhantomData)) as u32)
-    }
-}
-
-fn compares(op: Binary) -> bool {
-    matches!(op, Binary::Eq | Binary::Ne | Binary::Lt | Binary::Le | Binary::Gt | Binary::Ge)
-}
-
-impl Scalars for Emit<'_> {
-    type V = V;
-
-    fn constant(&mut self, kind: Kind, bits: u64) -> V {
-        Self::known(kind, bits as u32)
-    }
-
-    fn unary(&mut self, op: Unary, kind: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::fold(kind, |w| w.unary(op, kind, u64::from(x)));
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = match kind {
-            Kind::F32 => self.float_unary(op, varying, x),
-            Kind::Bool => self.not(varying, x),
-            _ => self.int_unary(op, kind, varying, x),
-        };
-        self.leaf(kind, varying, value)
-    }
-
-    fn binary(&mut self, op: Binary, kind: Kind, a: V, c: V) -> V {
-        if let (Some(x), Some(y)) = (a.known(), c.known()) {
-            let result = if compares(op) { Kind::Bool } else { kind };
-            return Self::fold(result, |w| w.binary(op, kind, u64::from(x), u64::from(y)));
-        }
-        let varying = a.is_varying() || c.is_varying();
-        if !matches!(kind, Kind::F32 | Kind::Bool) {
-            return self.int_binary(op, kind, a, c);
-        }
-        let (x, y) = (self.operand(a, varying), self.operand(c, varying));
-        if kind == Kind::F32 {
-            self.float_binary(op, varying, x, y)
-        } else {
-            self.bool_binary(op, varying, x, y)
-        }
-    }
-
-    fn select(&mut self, kind: Kind, c: V, t: V, f: V) -> V {
-        if let Some(c) = c.known() {
-            return if c != 0 { t } else { f };
-        }
-        if c.is_varying() || t.is_varying() || f.is_varying() {
-            let (c, t, f) = (self.lanes(c), self.lanes(t), self.lanes(f));
-            let value = self.blend(c, t, f);
-            return self.leaf(kind, true, value);
-        }
-        let (c, t, f) = (self.scalar(c), self.scalar(t), self.scalar(f));
-        let value =
-            if kind == Kind::F32 { self.choose(false, c, t, f) } else { self.b.ins().select(c, t, f) };
-        self.leaf(kind, false, value)
-    }
-
-    fn convert(&mut self, from: Kind, to: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::fold(to, |w| w.convert(from, to, u64::from(x)));
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = self.convert_value(from, to, varying, x);
-        self.leaf(to, varying, value)
-    }
-
-    fn bitcast(&mut self, _: Kind, to: Kind, a: V) -> V {
-        if let Some(x) = a.known() {
-            return Self::known(to, x);
-        }
-        let varying = a.is_varying();
-        let x = self.operand(a, varying);
-        let value = self.cast(if varying { lanes_type(to) } else { scalar_type(to) }, x);
-        self.leaf(to, varying, value)
-    }
-
-    fn native(&mut self, fun: Native, _: Kind, args: &[V]) -> V {
-        let result = match fun {
-            Native::FrexpExponent => Kind::I32,
-            Native::ToHalf => Kind::U32,
-            _ => Kind::F32,
-        };
-        if let [Some(a), b] = [args[0].known(), args.get(1).map_or(Some(0), |b| b.known())]
-            && let Some(b) = b
-        {
-            return Self::known(result, fun.f32(u64::from(a), u64::from(b)) as u32);
-        }
-        let varying = args.iter().any(|a| a.is_varying());
-        self.call_native(fun, result, varying, args)
-    }
-}
-
-impl Emit<'_> {
-    /// Writes the operands to a slot, lets the host replace the first by the result, reads that.
-    fn call_native(&mut self, fun: Native, result: Kind, varying: bool, args: &[V]) -> V {
-        let (callee, slot) = self.native.expect("the host function is imported");
-        let address = self.b.ins().stack_addr(types::I64, slot, 0);
-        for (i, &a) in args.iter().enumerate() {
-            let x = self.operand(a, varying);
-            self.b.ins().store(memory(), x, address, 16 * i as i32);
-        }
-        let number = Native::ALL.iter().position(|&n| n == fun).expect("all functions are listed");
-        let number = self.int_const(number as u32);
-        let lanes = self.int_const(if varying { 4 } else { 1 });
-        self.b.ins().call(callee, &[number, lanes, address]);
-        let ty = if varying { lanes_type(result) } else { scalar_type(result) };
-        let value = self.b.ins().load(ty, memory(), address, 0);
-        self.leaf(result, varying, value)
+        Self::known(result, f(&mut Words(PhantomData)))
     }
 }
