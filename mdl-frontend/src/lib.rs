@@ -17,6 +17,7 @@ pub mod span;
 pub mod syntax;
 pub mod types;
 pub mod value;
+pub mod verify;
 
 pub use build::Argument;
 pub use compiler::{

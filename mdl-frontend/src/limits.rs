@@ -23,7 +23,7 @@ pub const PARAMETERS: usize = 1024;
 /// Functions of one name in one module.
 pub const OVERLOADS: usize = 256;
 /// Nodes of a graph, before those that nothing uses are dropped.
-pub const NODES: usize = 1 << 20;
+pub const NODES: usize = 1 << 18;
 /// Expressions and statements that building one graph may visit.
 pub const STEPS: u64 = 1 << 25;
 /// Levels of nesting while a graph is built: of expressions, through all inlined functions.

@@ -60,6 +60,14 @@ fn operands(kind: &ExprKind, mut visit: impl FnMut(ExprId)) {
     }
 }
 
+/// Whether an expression refers to a parameter or other local.
+pub fn uses_locals(body: &Body, id: ExprId) -> bool {
+    let kind = &body.expr(id).kind;
+    let mut found = matches!(kind, ExprKind::Local(_));
+    operands(kind, |operand| found = found || uses_locals(body, operand));
+    found
+}
+
 /// Whether a body assigns to a local.
 pub fn assigns(body: &Body, local: LocalId) -> bool {
     let root = |mut place: ExprId| loop {

@@ -2,6 +2,7 @@
 
 use super::Built;
 use super::builtin::floor;
+use super::effects::uses_locals;
 use super::lower::{ArgKey, Binding, Env, Lowerer};
 use super::nodes::fold_builtin;
 use crate::diagnostics::build as problems;
@@ -331,7 +332,7 @@ impl<'w> Lowerer<'_, 'w> {
         let callee = self.b.definition(callee);
         let function = self.b.function(callee);
         let given: Vec<ExprId> = args.iter().flatten().copied().collect();
-        let given_all = given.len() == args.len();
+        let names_needed = self.defaults_use_names(callee, args, place)?;
         let mut given = self.operands(env, &given)?.into_iter();
         let mut inner = self.callee_env(callee, args.len());
         let inlined = matches!(function.kind, FunctionKind::Expr(_));
@@ -342,7 +343,7 @@ impl<'w> Lowerer<'_, 'w> {
                 None => self.default_arg(callee, &inner, index, place)?,
             };
             // Only the text of a function, or a default, refers to a parameter by name.
-            if inlined || !given_all {
+            if inlined || names_needed {
                 inner.bindings[index] = Some(self.fixed(value));
             }
             self.bind_size(function, &mut inner, index, value, place)?;
@@ -368,6 +369,22 @@ impl<'w> Lowerer<'_, 'w> {
             self.pin(value);
         }
         Ok(value)
+    }
+
+    /// Whether a default that a call leaves to the function refers to its parameters.
+    fn defaults_use_names(
+        &mut self,
+        callee: DefId,
+        args: &[Option<ExprId>],
+        place: &FileSpan,
+    ) -> Built<bool> {
+        for (index, _) in args.iter().enumerate().filter(|(_, arg)| arg.is_none()) {
+            let (owner, default) = self.b.default_expr(callee, index, place)?;
+            if uses_locals(&self.b.function(owner).body, default) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     fn callee_env(&mut self, callee: DefId, params: usize) -> Env<'w> {

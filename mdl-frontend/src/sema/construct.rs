@@ -24,25 +24,27 @@ impl<'a> Checker<'_, 'a> {
             _ if args.is_empty() => self.push(ExprKind::Default, ty, span),
             (Base::Vector(scalar, size), None) => {
                 let names = &["x", "y", "z", "w"][..size.into()];
-                self.from_one(ty, args, &["value"]).or_else(|| {
+                self.from_one(ty, args, &["value"], span).or_else(|| {
                     let parts = self.from_parts(names, Ty::of(Base::Scalar(scalar)), args)?;
                     Some(self.push(ExprKind::Construct(parts), ty, span))
                 })
             }
             .unwrap_or_else(|| self.no_constructor(ty, args, span)),
             (Base::Matrix(scalar, columns, rows), None) => self
-                .from_one(ty, args, &["value"])
+                .from_one(ty, args, &["value"], span)
                 .or_else(|| self.matrix(scalar, columns, rows, args, span))
                 .unwrap_or_else(|| self.no_constructor(ty, args, span)),
             (Base::Color, None) => self
-                .from_one(ty, args, &["value", "rgb"])
+                .from_one(ty, args, &["value", "rgb"], span)
                 .or_else(|| {
                     let parts = self.from_parts(&["r", "g", "b"], Ty::FLOAT, args)?;
                     Some(self.push(ExprKind::Construct(parts), ty, span))
                 })
                 .or_else(|| self.spectrum(args, span))
                 .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            _ => self.from_one(ty, args, &["value"]).unwrap_or_else(|| self.no_constructor(ty, args, span)),
+            _ => self
+                .from_one(ty, args, &["value"], span)
+                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
         }
     }
 
@@ -53,14 +55,14 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// A value converted from the only argument.
-    fn from_one(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str]) -> Option<ExprId> {
+    fn from_one(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str], span: Span) -> Option<ExprId> {
         let [arg] = args else { return None };
         let fits = arg.name.is_none_or(|(name, _)| names.contains(&name));
         let from = self.body.ty(arg.value);
         if !fits || !convert::explicit(from, ty) {
             return None;
         }
-        Some(self.convert(arg.value, ty))
+        Some(self.convert_at(arg.value, ty, span))
     }
 
     /// One argument per part, in any order if they are named.

@@ -453,7 +453,13 @@ impl<'a> Checker<'_, 'a> {
 
     /// Converts an expression. Literals are converted at once, from their full precision.
     pub(super) fn convert(&mut self, id: ExprId, to: Ty) -> ExprId {
-        let (from, span) = (self.body.ty(id), self.body.expr(id).span);
+        let span = self.body.expr(id).span;
+        self.convert_at(id, to, span)
+    }
+
+    /// Converts an expression by a constructor that stands at a place.
+    pub(super) fn convert_at(&mut self, id: ExprId, to: Ty, span: Span) -> ExprId {
+        let from = self.body.ty(id);
         if from == to || from.is_error() || to.is_error() {
             return id;
         }
