@@ -3,11 +3,13 @@
 //! Each bound is far above what real modules need and ends in a diagnostic that names it.
 
 /// Bytes of one module's source.
-pub const SOURCE_BYTES: usize = 16 << 20;
+pub const SOURCE_BYTES: usize = 8 << 20;
 /// Levels of nesting of expressions, of statements and of brackets.
 pub const NESTING: u32 = 256;
 /// Errors and warnings that are kept per module.
 pub const DIAGNOSTICS: usize = 200;
+/// Bytes of the message of a diagnostic.
+pub const MESSAGE: usize = 500;
 /// Modules that one module may import, directly and indirectly.
 pub const MODULES: usize = 1000;
 /// Length of a chain of imports.

@@ -17,7 +17,7 @@ use crate::graph::{
 };
 use crate::types::{Scalar, Type, TypeId, TypeTable};
 use crate::value::Value;
-use rustc_hash::FxHashSet;
+use std::collections::HashSet;
 
 /// What is wrong with a graph.
 pub type Violation = String;
@@ -28,7 +28,7 @@ pub fn verify(graph: &Graph) -> Result<(), Violation> {
         let verifier = FunctionVerifier::new(graph, function, index);
         verifier.run().map_err(|violation| format!("{}: {violation}", function.name))?;
     }
-    let mut seen = FxHashSet::default();
+    let mut seen = HashSet::new();
     for (index, node) in graph.nodes.iter().enumerate() {
         let violation = |text: String| format!("node {index}: {text}");
         if !seen.insert(node) {
@@ -134,7 +134,7 @@ fn check_op(graph: &Graph, op: &Op, args: &[TypeId], ty: TypeId, callable: usize
     let fits = match (op, args) {
         (Op::Unary(op), [x]) => *x == ty && unary(types, *op, ty),
         (Op::Binary(op), [x, y]) => binary(types, *op, *x, *y, ty),
-        (Op::Convert, [x]) => *x != ty && !matches!(types.get(ty), Type::Struct(_) | Type::Array { .. }),
+        (Op::Convert, [x]) => converts(types, *x, ty),
         (Op::Construct, parts) => {
             let count = part_count(types, ty);
             count == parts.len() && (0..count).all(|index| is_part(types, ty, index, parts[index]))
@@ -156,6 +156,20 @@ fn check_op(graph: &Graph, op: &Op, args: &[TypeId], ty: TypeId, callable: usize
         _ => false,
     };
     require(fits, wrong)
+}
+
+fn converts(types: &TypeTable, from: TypeId, to: TypeId) -> bool {
+    from != to
+        && match (types.get(from), types.get(to)) {
+            (Type::Scalar(_), Type::Scalar(_)) => true,
+            (Type::Scalar(a), Type::Vector { scalar: b, .. } | Type::Matrix { scalar: b, .. }) => a == b,
+            (Type::Scalar(scalar), Type::Color) => *scalar == Scalar::Float,
+            (Type::Vector { size: m, .. }, Type::Vector { size: n, .. }) => m == n,
+            (Type::Color, _) => to == TypeId::FLOAT3,
+            (_, Type::Color) => from == TypeId::FLOAT3,
+            (Type::Enum(_), _) => to == TypeId::INT,
+            _ => false,
+        }
 }
 
 /// Number of parts that a value of a type is constructed from.

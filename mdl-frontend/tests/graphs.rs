@@ -133,10 +133,9 @@ fn choices_between_materials_are_one_per_field() {
         r#"
         parameter uniform bool b = true
         %0 = ::df::specular_bsdf(color(1.0, 1.0, 1.0), scatter_reflect, ""): bsdf const
-        %1 = b ? true : false: bool uniform
-        %2 = b ? %0 : bsdf(): bsdf uniform
-        thin_walled = %1
-        surface.scattering = %2"#,
+        %1 = b ? %0 : bsdf(): bsdf uniform
+        thin_walled = b
+        surface.scattering = %1"#,
     );
 }
 

@@ -8,14 +8,14 @@ use crate::fold::{self, Folder, Target};
 use crate::graph::{BinaryOp, Node, NodeId, NodeKind, Op, Stage, UnaryOp};
 use crate::types::{Type, TypeId};
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Hash-consed nodes.
 #[derive(Default)]
 pub struct Nodes {
     nodes: Vec<Node>,
-    ids: FxHashMap<Node, NodeId>,
+    ids: HashMap<Node, NodeId>,
 }
 
 impl Nodes {

@@ -17,8 +17,8 @@ use crate::sema::hir::Module;
 use crate::sema::ty::ModuleId;
 use crate::span::{FileSpan, Span};
 use crate::syntax::ast;
-use rustc_hash::FxHashMap;
 use session::Session;
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -35,8 +35,8 @@ pub struct Compiler {
 /// What a compiler remembers.
 #[derive(Default)]
 struct State {
-    ids: FxHashMap<String, ModuleId>,
-    modules: FxHashMap<ModuleId, Checked>,
+    ids: HashMap<String, ModuleId>,
+    modules: HashMap<ModuleId, Checked>,
 }
 
 /// A checked module with what it was checked from.

@@ -7,7 +7,7 @@ use crate::sema::hir::{Module, World};
 use crate::sema::ty::ModuleId;
 use crate::sema::{self, Input};
 use crate::syntax;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::{Arc, LazyLock};
 
 /// Names and texts, in the order in which they import each other.
@@ -26,7 +26,7 @@ const TEXTS: &[(&str, &str)] = &[
 /// Number of the first module that is not standard.
 pub const FIRST_OTHER: u32 = 1 + TEXTS.len() as u32;
 
-static MODULES: LazyLock<FxHashMap<&'static str, Arc<Module>>> = LazyLock::new(check_all);
+static MODULES: LazyLock<HashMap<&'static str, Arc<Module>>> = LazyLock::new(check_all);
 static LANGUAGE: LazyLock<Arc<Module>> = LazyLock::new(|| Arc::new(sema::language_module()));
 
 /// The standard module of this name.
@@ -44,8 +44,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|(name, _)| *name)
 }
 
-fn check_all() -> FxHashMap<&'static str, Arc<Module>> {
-    let mut modules: FxHashMap<&'static str, Arc<Module>> = FxHashMap::default();
+fn check_all() -> HashMap<&'static str, Arc<Module>> {
+    let mut modules: HashMap<&'static str, Arc<Module>> = HashMap::default();
     let mut world = World::default();
     world.insert(language());
     for (id, (name, text)) in (1..).map(ModuleId).zip(TEXTS) {

@@ -24,27 +24,27 @@ impl<'a> Checker<'_, 'a> {
             _ if args.is_empty() => self.push(ExprKind::Default, ty, span),
             (Base::Vector(scalar, size), None) => {
                 let names = &["x", "y", "z", "w"][..size.into()];
-                self.from_one(ty, args, &["value"], span).or_else(|| {
-                    let parts = self.from_parts(names, Ty::of(Base::Scalar(scalar)), args)?;
+                self.single(ty, args, &["value"], span).or_else(|| {
+                    let parts = self.parts(names, Ty::of(Base::Scalar(scalar)), args)?;
                     Some(self.push(ExprKind::Construct(parts), ty, span))
                 })
             }
             .unwrap_or_else(|| self.no_constructor(ty, args, span)),
             (Base::Matrix(scalar, columns, rows), None) => self
-                .from_one(ty, args, &["value"], span)
+                .single(ty, args, &["value"], span)
                 .or_else(|| self.matrix(scalar, columns, rows, args, span))
                 .unwrap_or_else(|| self.no_constructor(ty, args, span)),
             (Base::Color, None) => self
-                .from_one(ty, args, &["value", "rgb"], span)
+                .single(ty, args, &["value", "rgb"], span)
                 .or_else(|| {
-                    let parts = self.from_parts(&["r", "g", "b"], Ty::FLOAT, args)?;
+                    let parts = self.parts(&["r", "g", "b"], Ty::FLOAT, args)?;
                     Some(self.push(ExprKind::Construct(parts), ty, span))
                 })
                 .or_else(|| self.spectrum(args, span))
                 .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            _ => self
-                .from_one(ty, args, &["value"], span)
-                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
+            _ => {
+                self.single(ty, args, &["value"], span).unwrap_or_else(|| self.no_constructor(ty, args, span))
+            }
         }
     }
 
@@ -55,7 +55,7 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// A value converted from the only argument.
-    fn from_one(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str], span: Span) -> Option<ExprId> {
+    fn single(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str], span: Span) -> Option<ExprId> {
         let [arg] = args else { return None };
         let fits = arg.name.is_none_or(|(name, _)| names.contains(&name));
         let from = self.body.ty(arg.value);
@@ -66,11 +66,11 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// One argument per part, in any order if they are named.
-    fn from_parts(&mut self, names: &[&str], part: Ty, args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
-        self.from_parts_of(names, &vec![part; names.len()], args)
+    fn parts(&mut self, names: &[&str], part: Ty, args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
+        self.parts_of_types(names, &vec![part; names.len()], args)
     }
 
-    fn from_parts_of(&mut self, names: &[&str], parts: &[Ty], args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
+    fn parts_of_types(&mut self, names: &[&str], parts: &[Ty], args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
         if args.len() != names.len() {
             return None;
         }
@@ -108,13 +108,13 @@ impl<'a> Checker<'_, 'a> {
         let ty = Ty::of(Base::Matrix(scalar, columns, rows));
         let column = Ty::of(Base::Vector(scalar, rows));
         let names = &["col0", "col1", "col2", "col3"][..columns.into()];
-        if let Some(parts) = self.from_parts(names, column, args) {
+        if let Some(parts) = self.parts(names, column, args) {
             return Some(self.push(ExprKind::Construct(parts), ty, span));
         }
         let names: Vec<String> =
             (0..columns).flat_map(|column| (0..rows).map(move |row| format!("m{column}{row}"))).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let elements = self.from_parts(&names, Ty::of(Base::Scalar(scalar)), args)?;
+        let elements = self.parts(&names, Ty::of(Base::Scalar(scalar)), args)?;
         let parts = elements
             .chunks(rows.into())
             .map(|parts| self.push(ExprKind::Construct(parts.to_vec()), column, span))

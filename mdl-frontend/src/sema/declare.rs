@@ -14,7 +14,7 @@ use crate::limits;
 use crate::span::Span;
 use crate::syntax::ast::{self, ItemKind};
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 impl<'a> ModuleCx<'a> {
@@ -248,7 +248,7 @@ impl Checker<'_, '_> {
             self.emit(owner.span, problems::TooManyParameters { name, limit });
             return Vec::new();
         }
-        let mut seen: FxHashMap<&str, Span> = FxHashMap::default();
+        let mut seen: HashMap<&str, Span> = HashMap::default();
         let mut checked: Vec<Field> = Vec::new();
         let mut first_default = None;
         for field in fields {

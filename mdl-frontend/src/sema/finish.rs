@@ -140,7 +140,7 @@ impl ModuleCx<'_> {
 
     /// Reports functions of which some overloads are exported and others not.
     fn check_overload_exports(&mut self) {
-        let mut firsts: rustc_hash::FxHashMap<Arc<str>, usize> = rustc_hash::FxHashMap::default();
+        let mut firsts: std::collections::HashMap<Arc<str>, usize> = std::collections::HashMap::default();
         let mut found = Vec::new();
         for (index, function) in self.module.functions.iter().enumerate() {
             if matches!(function.kind, FunctionKind::Forward(_)) {
@@ -163,8 +163,8 @@ impl ModuleCx<'_> {
         self.calls.iter().filter(|(caller, callee, _)| caller != callee).for_each(|(_, callee, _)| {
             called[*callee as usize] = true;
         });
-        for index in &self.meant_functions {
-            called[*index as usize] = true;
+        for (index, called) in (0u32..).zip(&mut called) {
+            *called |= self.meant_functions.contains(&index);
         }
         for (index, function) in self.module.functions.iter().enumerate() {
             if let FunctionKind::Forward(definition) = function.kind {

@@ -11,7 +11,7 @@ use crate::span::Span;
 use crate::syntax::ast;
 use crate::types::Scalar;
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
 /// What statements must know of the function around them.
 #[derive(Default)]
@@ -277,7 +277,7 @@ impl<'a> Checker<'_, 'a> {
         if !cases.iter().any(|case| case.label.is_some()) {
             self.emit(span, problems::SwitchWithoutCase {});
         }
-        let mut seen: FxHashMap<Option<i32>, Span> = FxHashMap::default();
+        let mut seen: HashMap<Option<i32>, Span> = HashMap::default();
         let mut checked = Vec::with_capacity(cases.len());
         let mut reached = true;
         self.flow.breakable.push(Breakable { is_loop: false, broken: false, continued: false });

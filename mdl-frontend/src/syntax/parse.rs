@@ -246,7 +246,7 @@ fn describe(expected: &[String]) -> String {
     group(&mut names, "IDENT", "a name", &[&["IDENT", "UNICODE_IDENT"]]);
     // What may stand almost everywhere helps nobody, unless nothing else may.
     let rare = |name: &&str| !["[[", "[<", "[", ".", "::"].contains(name);
-    if !groups.is_empty() || names.iter().any(|name| rare(name)) {
+    if !groups.is_empty() || names.iter().any(rare) {
         names.retain(rare);
     }
     groups.extend(names.iter().take(5).map(|name| format!("`{name}`")));
