@@ -314,6 +314,17 @@ impl<'a> Checker<'_, 'a> {
                 fit.warned += u32::from(how.ok_or(Misfit::Type(arg, index))? == Implicit::Warned);
             }
         }
+        for (index, param) in params.iter().enumerate() {
+            if let (None, Some(Size::Symbol(symbol)), Some(size)) =
+                (fit.args[index], param.ty.size, param.default_size)
+            {
+                let size = Size::Known(size);
+                match fit.sizes[symbol.0 as usize].replace(size) {
+                    Some(first) if first != size => return Err(Misfit::Sizes(index, first, size)),
+                    _ => {}
+                }
+            }
+        }
         Ok(fit)
     }
 

@@ -178,6 +178,7 @@ impl<'a> Checker<'_, 'a> {
             ty: field.ty,
             frequency: None,
             has_default: field.default != FieldDefault::Type,
+            default_size: None,
             hard_range: None,
             span: place(field.span),
         });

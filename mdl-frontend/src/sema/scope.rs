@@ -176,6 +176,18 @@ pub struct LocalName<'a> {
 }
 
 impl<'a> LocalScopes<'a> {
+    /// The types and constants that are visible.
+    pub fn without_variables(&self) -> Self {
+        let mut scopes = Self::default();
+        for name in &self.entries {
+            if matches!(name.entry, LocalEntry::Type(_) | LocalEntry::Constant(..)) {
+                scopes.declare(name.name, name.entry.clone(), name.span);
+                scopes.allow_unused();
+            }
+        }
+        scopes
+    }
+
     /// Enters a block.
     pub fn enter(&mut self) {
         self.blocks.push(self.entries.len());

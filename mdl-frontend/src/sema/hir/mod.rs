@@ -293,6 +293,8 @@ pub struct ParamSig {
     pub frequency: Option<Frequency>,
     /// It may be left out.
     pub has_default: bool,
+    /// The size of an array default where the parameter leaves the size open.
+    pub default_size: Option<u32>,
     /// `anno::hard_range`
     pub hard_range: Option<Arc<(Value, Value)>>,
     /// Where it is declared.
