@@ -98,8 +98,9 @@ pub enum Op {
     /// matrix or colour stays scalar (`2.0 * v`). `&&` and `||` evaluate both operands.
     Binary(BinaryOp),
     /// Conversion of one operand to the result type: between scalars, between vectors of equal size,
-    /// `color` and `float3`, scalar to vector or colour (all components), scalar to matrix (diagonal),
-    /// enumeration to `int`, structurally equal structs (`cast`).
+    /// `color` and `float3`, scalar to vector or colour of such scalars (all components), scalar to matrix
+    /// of such scalars (diagonal), enumeration to `int`. All others are taken apart: conversions of
+    /// structs (`cast`), arrays and matrices are a `Construct` of converted parts.
     Convert,
     /// A vector, matrix (from columns), colour, struct or array from all its components, in order.
     Construct,

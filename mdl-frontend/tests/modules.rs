@@ -106,7 +106,8 @@ fn failing_loader_is_reported() {
     let failure = compiler.check("::locked").err().expect("fails");
     assert_eq!(failure.to_string(), "E0209: module `::locked` could not be loaded: permission denied");
     let failure = compiler.check("::nowhere").err().expect("fails");
-    assert_eq!(failure.diagnostics[0].code.0, "E0214");
+    let rendered = diagnostics::render(&failure.diagnostics[0], |_| None, false);
+    assert_eq!(rendered, "error[E0214]: module `::nowhere` does not exist\n\n");
 }
 
 #[test]
@@ -137,6 +138,10 @@ fn standard_modules_can_be_listed() {
     }
     let df = compiler.check("::df").expect("built in");
     assert!(df.functions().iter().any(|info| &*info.name == "thin_film"));
+    let math = compiler.check("::math").expect("built in");
+    let graph =
+        compiler.function_graph(&math, "sin(float3)", Mode::Class, &[]).expect("compiles").to_string();
+    assert!(graph.contains("%0 = ::math::sin(a): float3 uniform"), "{graph}");
 }
 
 #[test]
