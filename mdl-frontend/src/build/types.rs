@@ -133,11 +133,9 @@ impl<'w> Types<'w> {
 
     /// Whether values of a type are converted part by part.
     pub fn converts_by_parts(&self, from: TypeId, to: TypeId) -> bool {
-        match (self.table.get(from), self.table.get(to)) {
-            (_, Type::Struct(_) | Type::Array { .. }) => true,
-            (Type::Matrix { .. }, Type::Matrix { .. }) => true,
-            _ => false,
-        }
+        let to = self.table.get(to);
+        let matrices = matches!((self.table.get(from), to), (Type::Matrix { .. }, Type::Matrix { .. }));
+        matrices || matches!(to, Type::Struct(_) | Type::Array { .. })
     }
 
     /// Number of parts of a compound type.

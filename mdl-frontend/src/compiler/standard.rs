@@ -125,7 +125,7 @@ mod tests {
                     _ => module.structs[id.index as usize].name.to_string(),
                 }
             }
-            base => crate::sema::type_name(base),
+            base => sema::type_name(base),
         };
         match ty.size {
             None => format!("{base}()"),

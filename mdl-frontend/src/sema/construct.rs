@@ -19,33 +19,40 @@ impl<'a> Checker<'_, 'a> {
             return self.push(ExprKind::Error, ty, span);
         }
         match (ty.base, ty.size) {
-            (_, Some(size)) => self.construct_elements(ty.element(), Some(size), args, span),
-            (Base::Struct(id), None) => self.construct_struct(id, ty, args, span),
-            _ if args.is_empty() => self.push(ExprKind::Default, ty, span),
-            (Base::Vector(scalar, size), None) => {
-                let names = &["x", "y", "z", "w"][..size.into()];
-                self.single(ty, args, &["value"], span).or_else(|| {
-                    let parts = self.parts(names, Ty::of(Base::Scalar(scalar)), args)?;
-                    Some(self.push(ExprKind::Construct(parts), ty, span))
-                })
-            }
-            .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            (Base::Matrix(scalar, columns, rows), None) => self
-                .single(ty, args, &["value"], span)
-                .or_else(|| self.matrix(scalar, columns, rows, args, span))
-                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            (Base::Color, None) => self
-                .single(ty, args, &["value", "rgb"], span)
-                .or_else(|| {
-                    let parts = self.parts(&["r", "g", "b"], Ty::FLOAT, args)?;
-                    Some(self.push(ExprKind::Construct(parts), ty, span))
-                })
-                .or_else(|| self.spectrum(args, span))
-                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            _ => {
-                self.single(ty, args, &["value"], span).unwrap_or_else(|| self.no_constructor(ty, args, span))
-            }
+            (_, Some(size)) => return self.construct_elements(ty.element(), Some(size), args, span),
+            (Base::Struct(id), None) => return self.construct_struct(id, ty, args, span),
+            _ if args.is_empty() => return self.push(ExprKind::Default, ty, span),
+            _ => {}
         }
+        let constructed = match ty.base {
+            Base::Vector(scalar, size) => {
+                let names = &["x", "y", "z", "w"][..size.into()];
+                self.single(ty, args, &["value"], span)
+                    .or_else(|| self.components(ty, names, Ty::of(Base::Scalar(scalar)), args, span))
+            }
+            Base::Matrix(scalar, columns, rows) => self
+                .single(ty, args, &["value"], span)
+                .or_else(|| self.matrix(scalar, columns, rows, args, span)),
+            Base::Color => self
+                .single(ty, args, &["value", "rgb"], span)
+                .or_else(|| self.components(ty, &["r", "g", "b"], Ty::FLOAT, args, span))
+                .or_else(|| self.spectrum(args, span)),
+            _ => self.single(ty, args, &["value"], span),
+        };
+        constructed.unwrap_or_else(|| self.no_constructor(ty, args, span))
+    }
+
+    /// A vector or colour from its components.
+    fn components(
+        &mut self,
+        ty: Ty,
+        names: &[&str],
+        component: Ty,
+        args: &[CallArg<'a>],
+        span: Span,
+    ) -> Option<ExprId> {
+        let parts = self.parts(names, component, args)?;
+        Some(self.push(ExprKind::Construct(parts), ty, span))
     }
 
     fn no_constructor(&mut self, ty: Ty, args: &[CallArg<'a>], span: Span) -> ExprId {
@@ -67,10 +74,6 @@ impl<'a> Checker<'_, 'a> {
 
     /// One argument per part, in any order if they are named.
     fn parts(&mut self, names: &[&str], part: Ty, args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
-        self.parts_of_types(names, &vec![part; names.len()], args)
-    }
-
-    fn parts_of_types(&mut self, names: &[&str], parts: &[Ty], args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
         if args.len() != names.len() {
             return None;
         }
@@ -86,14 +89,14 @@ impl<'a> Checker<'_, 'a> {
         }
         let ordered: Option<Vec<ExprId>> = ordered.into_iter().collect();
         let ordered = ordered?;
-        let converts = |(id, ty): (&ExprId, &Ty)| {
+        let converts = |id: &ExprId| {
             use convert::Implicit::{Allowed, Same};
-            matches!(convert::implicit(self.body.ty(*id), *ty), Some(Allowed | Same))
+            matches!(convert::implicit(self.body.ty(*id), part), Some(Allowed | Same))
         };
-        if !ordered.iter().zip(parts).all(converts) {
+        if !ordered.iter().all(converts) {
             return None;
         }
-        Some(ordered.into_iter().zip(parts).map(|(id, ty)| self.convert(id, *ty)).collect())
+        Some(ordered.into_iter().map(|id| self.convert(id, part)).collect())
     }
 
     /// A matrix from its columns, or from its elements column by column.

@@ -245,15 +245,6 @@ impl<'a> LocalScopes<'a> {
         Some(&found.entry)
     }
 
-    /// Moves all locals to higher numbers.
-    pub fn shift(&mut self, by: u32) {
-        for name in &mut self.entries {
-            if let LocalEntry::Variable(local) = &mut name.entry {
-                local.0 += by;
-            }
-        }
-    }
-
     /// All names, innermost first.
     pub fn names(&self) -> impl Iterator<Item = &'a str> {
         self.entries.iter().rev().map(|entry| entry.name)
