@@ -21,6 +21,7 @@ impl<'w> Builder<'w> {
         node
     }
 
+    /// Long, because it has one arm per kind of expression.
     fn eval_kind(&mut self, frame: &mut Frame<'w>, id: ExprId) -> Built<NodeId> {
         let body = frame.body;
         let expr = body.expr(id);

@@ -22,6 +22,7 @@ impl<'w> Lowerer<'_, 'w> {
         lowered
     }
 
+    /// Long, because it has one arm per kind of expression.
     fn expr_kind(&mut self, env: &mut Env<'w>, id: ExprId) -> Built<ExpressionId> {
         let body = env.body;
         let expr = body.expr(id);

@@ -139,6 +139,42 @@ pub enum ExprKind {
     Category(ExprId),
 }
 
+impl ExprKind {
+    /// Calls `visit` with each operand of an expression.
+    pub fn each_operand(&self, mut visit: impl FnMut(ExprId)) {
+        match self {
+            ExprKind::Unary(_, x)
+            | ExprKind::Convert(x)
+            | ExprKind::Member(x, _)
+            | ExprKind::Step(_, x)
+            | ExprKind::Category(x) => visit(*x),
+            ExprKind::Binary(_, x, y)
+            | ExprKind::Index(x, y)
+            | ExprKind::Assign(x, y)
+            | ExprKind::AssignOp(_, x, y)
+            | ExprKind::Sequence(x, y) => [*x, *y].into_iter().for_each(visit),
+            ExprKind::Select(x, y, z) => [*x, *y, *z].into_iter().for_each(visit),
+            ExprKind::Construct(parts) => parts.iter().copied().for_each(visit),
+            ExprKind::Struct(parts) | ExprKind::Call(_, parts) => {
+                parts.iter().flatten().copied().for_each(visit)
+            }
+            ExprKind::Resource(resource) => {
+                resource.gamma.into_iter().chain(resource.selector).for_each(visit)
+            }
+            ExprKind::Let(bindings, value) => {
+                bindings.iter().for_each(|(_, value)| visit(*value));
+                visit(*value);
+            }
+            ExprKind::Error
+            | ExprKind::Constant(_)
+            | ExprKind::Local(_)
+            | ExprKind::Global(_)
+            | ExprKind::Size(_)
+            | ExprKind::Default => {}
+        }
+    }
+}
+
 /// A reference to a file.
 #[derive(Clone, Debug)]
 pub struct ResourceExpr {
