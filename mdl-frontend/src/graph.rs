@@ -8,10 +8,11 @@
 //! no cycles: MDL has no recursion.
 //!
 //! **What is gone.** Names, overloads, implicit conversions, default arguments, `let`, struct field
-//! defaults, deferred array sizes, material variants, expression-bodied functions (inlined; sharing
-//! keeps the graph small) and all functions that return distribution functions or materials. What
-//! remains callable are functions with a block body, as [`Function`]s, and the intrinsic functions of
-//! the standard modules, by qualified name, always in their newest signature with every argument given.
+//! defaults, deferred array sizes, material variants, expression-bodied functions and blocks that only
+//! return an expression (inlined; sharing keeps the graph small) and all functions that return
+//! distribution functions or materials. What remains callable are functions with a longer block, as
+//! [`Function`]s, and the intrinsic functions of the standard modules, by qualified name, always in their
+//! newest signature with every argument given.
 //!
 //! **What is not here.** Any knowledge of an executor: no slot, no register, no code.
 

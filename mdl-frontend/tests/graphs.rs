@@ -376,10 +376,25 @@ fn expression_functions_are_inlined_in_blocks() {
 }
 
 #[test]
+fn blocks_that_only_return_are_inlined() {
+    check_function(
+        "float look(float u) { { return u * u; } }
+         float twice(float x) { return look(x) + look(x); }
+         export float f(float x) = twice(x + 1.0) + twice(2.0);",
+        "
+        %0 = x + 1.0: float uniform
+        %1 = %0 * %0: float uniform
+        %2 = %1 + %1: float uniform
+        %3 = %2 + 8.0: float uniform
+        result = %3",
+    );
+}
+
+#[test]
 fn functions_are_instantiated_per_size_and_constant_file() {
     check_function(
         "float sum(float[<N>] x) { float s = 0.0; for (int i = 0; i < N; ++i) { s += x[i]; } return s; }
-         float look(uniform texture_2d t, float u) { return tex::lookup_float(t, float2(u)); }
+         float look(uniform texture_2d t, float u) { u *= 2.0; return tex::lookup_float(t, float2(u)); }
          export float f(float x) = sum(float[](x)) + sum(float[](x + 1.0)) + look(texture_2d(\"a.png\"), x);",
         "
         resource #0 \"/a.png\"
@@ -399,6 +414,7 @@ fn functions_are_instantiated_per_size_and_constant_file() {
             return s;
         }
         f1 float ::m::look<t=#0>(float u) {
+            u = (u * 2.0);
             return ::tex::lookup_float(#0, float2(u), wrap_repeat, wrap_repeat, float2(0.0, 1.0), float2(0.0, 1.0), 0.0);
         }
         %0 = float[1](x): float[1] uniform

@@ -112,10 +112,9 @@ fn shared_noise_is_one_function() {
         names,
         [
             format!("{noise}hash"),
-            format!("{noise}corner"),
             format!("{noise}value_noise"),
             "::catalogue::car_paint::flake_normal".to_string(),
         ]
     );
-    assert!(graph.functions[3].reads_state && !graph.functions[2].reads_state);
+    assert!(graph.functions[2].reads_state && !graph.functions[1].reads_state);
 }

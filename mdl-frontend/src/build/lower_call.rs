@@ -28,7 +28,7 @@ impl<'w> Lowerer<'_, 'w> {
         let names_needed = self.defaults_use_names(callee, args, place)?;
         let mut given = self.operands(env, &given)?.into_iter();
         let mut inner = self.callee_env(callee, args.len());
-        let inlined = matches!(function.kind, FunctionKind::Expr(_));
+        let inlined = self.b.expression_of(callee);
         let mut values = Vec::with_capacity(args.len());
         for (index, arg) in args.iter().enumerate() {
             let value = match arg.and_then(|_| given.next()) {
@@ -36,16 +36,18 @@ impl<'w> Lowerer<'_, 'w> {
                 None => self.default_arg(callee, &inner, index, place)?,
             };
             // Only the text of a function, or a default, refers to a parameter by name.
-            if inlined || names_needed {
+            if inlined.is_some() || names_needed {
                 inner.bindings[index] = Some(self.fixed(value));
             }
             self.bind_size(function, &mut inner, index, value, place)?;
             values.push(value);
         }
         let result = self.ty(&inner, function.signature.result, place.span)?;
+        if let Some(body) = inlined {
+            return self.inline(callee, inner, body, &values);
+        }
         let value = match function.kind {
             FunctionKind::Intrinsic => self.builtin(function, values, result, place),
-            FunctionKind::Expr(body) => return self.inline(callee, inner, body, &values),
             FunctionKind::Block(_) => {
                 let constants = values.iter().map(|value| self.value(*value).cloned()).collect();
                 let instance = self.b.instance_of(callee, &inner.sizes, constants, place.clone())?;
@@ -53,7 +55,7 @@ impl<'w> Lowerer<'_, 'w> {
                 self.note_stage(self.b.floors[instance.id.0 as usize]);
                 self.op(Op::Call(instance.id), values, result, place.clone())
             }
-            FunctionKind::Prototype | FunctionKind::Forward(_) => {
+            FunctionKind::Expr(_) | FunctionKind::Prototype | FunctionKind::Forward(_) => {
                 let what = "a call of a function without definition";
                 return self.b.abort(place.clone(), problems::NotSupported { what });
             }
