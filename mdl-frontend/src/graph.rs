@@ -8,10 +8,11 @@
 //! no cycles: MDL has no recursion.
 //!
 //! **What is gone.** Names, overloads, implicit conversions, default arguments, `let`, struct field
-//! defaults, deferred array sizes, material variants, expression-bodied functions (inlined; sharing
-//! keeps the graph small) and all functions that return distribution functions or materials. What
-//! remains callable are functions with a block body, as [`Function`]s, and the intrinsic functions of
-//! the standard modules, by qualified name, always in their newest signature with every argument given.
+//! defaults, deferred array sizes, material variants, expression-bodied functions and blocks that only
+//! return an expression (inlined; sharing keeps the graph small) and all functions that return
+//! distribution functions or materials. What remains callable are functions with a longer block, as
+//! [`Function`]s, and the intrinsic functions of the standard modules, by qualified name, always in their
+//! newest signature with every argument given.
 //!
 //! **What is not here.** Any knowledge of an executor: no slot, no register, no code.
 
@@ -98,8 +99,9 @@ pub enum Op {
     /// matrix or colour stays scalar (`2.0 * v`). `&&` and `||` evaluate both operands.
     Binary(BinaryOp),
     /// Conversion of one operand to the result type: between scalars, between vectors of equal size,
-    /// `color` and `float3`, scalar to vector or colour (all components), scalar to matrix (diagonal),
-    /// enumeration to `int`, structurally equal structs (`cast`).
+    /// `color` and `float3`, scalar to vector or colour of such scalars (all components), scalar to matrix
+    /// of such scalars (diagonal), enumeration to `int`. All others are taken apart: conversions of
+    /// structs (`cast`), arrays and matrices are a `Construct` of converted parts.
     Convert,
     /// A vector, matrix (from columns), colour, struct or array from all its components, in order.
     Construct,

@@ -5,7 +5,7 @@
 //! itself against paths that leave the roots.
 
 use crate::graph::ResourceKind;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Which module a source is.
@@ -98,7 +98,7 @@ pub trait Loader: Send + Sync {
 #[derive(Clone, Debug, Default)]
 pub struct MemoryLoader {
     /// Root and text by qualified name.
-    modules: FxHashMap<String, (Arc<str>, Vec<u8>)>,
+    modules: HashMap<String, (Arc<str>, Vec<u8>)>,
     names: Vec<String>,
     resources: Vec<String>,
     any_resource: bool,

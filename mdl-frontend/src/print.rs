@@ -1,7 +1,7 @@
 //! Graphs as text, for people and for tests.
 //!
-//! Constants and parameters are written where they are used, everything else gets a line. Fields of a
-//! material that have their default are left out.
+//! Constants and parameters are written where they are used, every operation gets a line and a number.
+//! Fields of a material that have their default are left out, and so is what only they need.
 
 use crate::graph::{
     Expression, ExpressionId, ExpressionKind, Function, FunctionGraph, GammaMode, Graph, MaterialGraph, Mode,
@@ -19,21 +19,20 @@ impl Display for MaterialGraph {
             Mode::Instance => "instance",
         };
         writeln!(f, "material {} ({mode})", self.name)?;
-        let printer = Printer { graph: &self.graph };
+        let mut printer = Printer { graph: &self.graph, numbers: Vec::new() };
+        let roots = self.named_roots().into_iter().filter(|(_, root)| !printer.is_default(*root));
+        let roots: Vec<(&str, NodeId)> = roots.collect();
+        printer.number(roots.iter().map(|(_, root)| *root));
         printer.graph(f)?;
-        for (name, root) in self.named_roots() {
-            if !printer.is_default(root) {
-                writeln!(f, "{name} = {}", printer.operand(root))?;
-            }
-        }
-        Ok(())
+        roots.iter().try_for_each(|(name, root)| writeln!(f, "{name} = {}", printer.operand(*root)))
     }
 }
 
 impl Display for FunctionGraph {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "function {}", self.name)?;
-        let printer = Printer { graph: &self.graph };
+        let mut printer = Printer { graph: &self.graph, numbers: Vec::new() };
+        printer.number([self.result].into_iter());
         printer.graph(f)?;
         writeln!(f, "result = {}", printer.operand(self.result))
     }
@@ -79,9 +78,27 @@ impl MaterialGraph {
 
 struct Printer<'g> {
     graph: &'g Graph,
+    /// Numbers of the operations that are printed.
+    numbers: Vec<Option<usize>>,
 }
 
 impl Printer<'_> {
+    /// Numbers the operations that some roots need.
+    fn number(&mut self, roots: impl Iterator<Item = NodeId>) {
+        let nodes = &self.graph.nodes;
+        let mut live = vec![false; nodes.len()];
+        roots.for_each(|root| live[root.0 as usize] = true);
+        for index in (0..nodes.len()).rev() {
+            if let (true, NodeKind::Op(_, args)) = (live[index], &nodes[index].kind) {
+                args.iter().for_each(|arg| live[arg.0 as usize] = true);
+            }
+        }
+        let mut next = 0..;
+        let is_printed = |(node, live): (&Node, bool)| live && matches!(node.kind, NodeKind::Op(..));
+        let number = |pair| if is_printed(pair) { next.next() } else { None };
+        self.numbers = nodes.iter().zip(live).map(number).collect();
+    }
+
     /// Whether a root has the value that the language gives a field that is left out.
     fn is_default(&self, root: NodeId) -> bool {
         let Node { kind, ty, .. } = self.graph.node(root);
@@ -117,7 +134,7 @@ impl Printer<'_> {
             self.function(f, index, function)?;
         }
         for (index, node) in (0..).map(NodeId).zip(&self.graph.nodes) {
-            if let NodeKind::Op(op, args) = &node.kind {
+            if let (NodeKind::Op(op, args), Some(_)) = (&node.kind, self.numbers[index.0 as usize]) {
                 let args: Vec<String> = args.iter().map(|arg| self.operand(*arg)).collect();
                 let text = self.operation(op, &args, node.ty);
                 writeln!(f, "{} = {text}: {} {}", self.operand(index), self.ty(node.ty), stage(node.stage))?;
@@ -139,7 +156,10 @@ impl Printer<'_> {
                 Some(parameter) => parameter.name.to_string(),
                 None => format!("parameter {index}"),
             },
-            NodeKind::Op(..) => format!("%{}", id.0),
+            NodeKind::Op(..) => match self.numbers[id.0 as usize] {
+                Some(number) => format!("%{number}"),
+                None => "%?".to_string(),
+            },
         }
     }
 

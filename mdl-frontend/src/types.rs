@@ -248,6 +248,11 @@ impl TypeTable {
         id
     }
 
+    /// The id of this type, if the table has it.
+    pub fn find(&self, ty: &Type) -> Option<TypeId> {
+        self.ids.get(ty).copied()
+    }
+
     /// The type as a user writes it, such as `float3` or `color[4]`.
     pub fn display(&self, id: TypeId) -> String {
         let scalar_name = |scalar: &Scalar| match scalar {

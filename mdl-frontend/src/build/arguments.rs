@@ -10,8 +10,8 @@ use crate::sema::{self, Input, ModuleCx};
 use crate::span::{FileSpan, Span};
 use crate::syntax;
 use crate::syntax::ast::Frequency;
-use crate::types::{Type, TypeId, TypeTable};
 use crate::value::Value;
+use crate::verify::has_type;
 use std::sync::Arc;
 
 /// A value for a parameter.
@@ -151,59 +151,11 @@ impl<'w> Builder<'w> {
             _ => param.ty,
         };
         let id = self.types.known(ty);
-        if !has_type(value, id, &self.types.table) {
+        // References to files mean nothing outside of a graph, so none is accepted.
+        if !has_type(value, id, &self.types.table, 0) {
             let (name, expected) = (param.name.to_string(), self.types.table.display(id));
             return self.abort(place, problems::ArgumentValue { name, expected });
         }
         Ok(self.nodes.constant(value.clone(), id))
     }
-}
-
-/// Whether a value is one of a type. References to files are not: their numbers mean nothing outside.
-pub fn has_type(value: &Value, ty: TypeId, types: &TypeTable) -> bool {
-    use crate::types::Scalar;
-    let compound = |element: TypeId, count: usize| {
-        value.elements().len() == count && value.elements().iter().all(|part| has_type(part, element, types))
-    };
-    let scalars = |scalar: Scalar, count: usize| {
-        let parts = value.elements();
-        parts.len() == count && parts.iter().all(|part| is_scalar(part, scalar))
-    };
-    match types.get(ty) {
-        Type::Scalar(scalar) => is_scalar(value, *scalar),
-        Type::Vector { scalar, size } => scalars(*scalar, (*size).into()),
-        Type::Color => scalars(Scalar::Float, 3),
-        Type::Matrix { scalar, columns, rows } => {
-            let is_column = |column: &Value| {
-                let parts = column.elements();
-                parts.len() == usize::from(*rows) && parts.iter().all(|part| is_scalar(part, *scalar))
-            };
-            value.elements().len() == usize::from(*columns) && value.elements().iter().all(is_column)
-        }
-        Type::String => matches!(value, Value::String(_)),
-        Type::Texture(_) | Type::LightProfile | Type::BsdfMeasurement => {
-            matches!(value, Value::Resource(None))
-        }
-        Type::Df(_) => matches!(value, Value::DefaultDf),
-        Type::Enum(ty) => {
-            matches!(value, Value::Int(value) if ty.values.iter().any(|(_, other)| other == value))
-        }
-        Type::Struct(ty) => {
-            let parts = value.elements();
-            parts.len() == ty.fields.len()
-                && parts.iter().zip(&ty.fields).all(|(part, (_, field))| has_type(part, *field, types))
-        }
-        Type::Array { element, size } => compound(*element, *size as usize),
-    }
-}
-
-fn is_scalar(value: &Value, scalar: crate::types::Scalar) -> bool {
-    use crate::types::Scalar;
-    matches!(
-        (value, scalar),
-        (Value::Bool(_), Scalar::Bool)
-            | (Value::Int(_), Scalar::Int)
-            | (Value::Float(_), Scalar::Float)
-            | (Value::Double(_), Scalar::Double)
-    )
 }

@@ -3,7 +3,7 @@
 use super::{Builder, Built, Frame};
 use crate::diagnostics::build as problems;
 use crate::graph::{NodeId, Op};
-use crate::sema::hir::{DefaultArg, ExprId, Function, FunctionKind};
+use crate::sema::hir::{DefaultArg, ExprId, Function, FunctionKind, StmtKind};
 use crate::sema::ty::{DefId, Size};
 use crate::span::FileSpan;
 
@@ -18,6 +18,29 @@ impl<'w> Builder<'w> {
             id = definition;
         }
         id
+    }
+
+    /// The expression that a function is: its body, or what its block returns if that is all it does.
+    pub(super) fn expression_of(&mut self, id: DefId) -> Option<ExprId> {
+        let function = self.function(id);
+        let mut at = match function.kind {
+            FunctionKind::Expr(body) => return Some(body),
+            FunctionKind::Block(block) => block,
+            _ => return None,
+        };
+        loop {
+            match &function.body.stmt(at).kind {
+                StmtKind::Block(stmts) => match stmts[..] {
+                    [only] => at = only,
+                    _ => return None,
+                },
+                StmtKind::Return(value) => {
+                    let value = *value;
+                    return (!self.effects(id)[value.0 as usize]).then_some(value);
+                }
+                _ => return None,
+            }
+        }
     }
 
     /// A call, with arguments in the caller's frame.
@@ -72,21 +95,21 @@ impl<'w> Builder<'w> {
         place: FileSpan,
     ) -> Built<NodeId> {
         let function = self.function(callee);
+        if let Some(body) = self.expression_of(callee) {
+            let key = (callee, args);
+            if let Some(node) = self.calls.get(&key) {
+                return Ok(*node);
+            }
+            let node = self.eval(&mut frame, body)?;
+            self.calls.insert(key, node);
+            return Ok(node);
+        }
         match function.kind {
             FunctionKind::Intrinsic => {
                 let Some(ty) = self.types.concrete(function.signature.result, &frame.sizes) else {
                     return self.abort(place, problems::NotSupported { what: "a result of unknown size" });
                 };
                 Ok(self.builtin(function, args, ty))
-            }
-            FunctionKind::Expr(body) => {
-                let key = (callee, args);
-                if let Some(node) = self.calls.get(&key) {
-                    return Ok(*node);
-                }
-                let node = self.eval(&mut frame, body)?;
-                self.calls.insert(key, node);
-                Ok(node)
             }
             FunctionKind::Block(_) => {
                 let instance = self.instance(callee, &frame.sizes, &args, place)?;
@@ -95,7 +118,7 @@ impl<'w> Builder<'w> {
                 let floor = self.floors[instance.id.0 as usize];
                 Ok(self.nodes.plain(Op::Call(instance.id), args, ty, floor))
             }
-            FunctionKind::Prototype | FunctionKind::Forward(_) => {
+            FunctionKind::Expr(_) | FunctionKind::Prototype | FunctionKind::Forward(_) => {
                 self.abort(place, problems::NotSupported { what: "a call of a function without definition" })
             }
         }

@@ -21,7 +21,7 @@ impl Builder<'_> {
                 _ => false,
             };
             let mut any = own;
-            operands(&expr.kind, |operand| any |= effects[operand.0 as usize]);
+            expr.kind.each_operand(|operand| any |= effects[operand.0 as usize]);
             effects.push(any);
         }
         let effects: Rc<[bool]> = effects.into();
@@ -30,34 +30,12 @@ impl Builder<'_> {
     }
 }
 
-/// Calls `visit` with each operand of an expression.
-fn operands(kind: &ExprKind, mut visit: impl FnMut(ExprId)) {
-    match kind {
-        ExprKind::Unary(_, x)
-        | ExprKind::Convert(x)
-        | ExprKind::Member(x, _)
-        | ExprKind::Step(_, x)
-        | ExprKind::Category(x) => visit(*x),
-        ExprKind::Binary(_, x, y)
-        | ExprKind::Index(x, y)
-        | ExprKind::Assign(x, y)
-        | ExprKind::AssignOp(_, x, y)
-        | ExprKind::Sequence(x, y) => [*x, *y].into_iter().for_each(visit),
-        ExprKind::Select(x, y, z) => [*x, *y, *z].into_iter().for_each(visit),
-        ExprKind::Construct(parts) => parts.iter().copied().for_each(visit),
-        ExprKind::Struct(parts) | ExprKind::Call(_, parts) => parts.iter().flatten().copied().for_each(visit),
-        ExprKind::Resource(resource) => resource.gamma.into_iter().chain(resource.selector).for_each(visit),
-        ExprKind::Let(bindings, value) => {
-            bindings.iter().for_each(|(_, value)| visit(*value));
-            visit(*value);
-        }
-        ExprKind::Error
-        | ExprKind::Constant(_)
-        | ExprKind::Local(_)
-        | ExprKind::Global(_)
-        | ExprKind::Size(_)
-        | ExprKind::Default => {}
-    }
+/// Whether an expression refers to a parameter or other local.
+pub fn uses_locals(body: &Body, id: ExprId) -> bool {
+    let kind = &body.expr(id).kind;
+    let mut found = matches!(kind, ExprKind::Local(_));
+    kind.each_operand(|operand| found = found || uses_locals(body, operand));
+    found
 }
 
 /// Whether a body assigns to a local.

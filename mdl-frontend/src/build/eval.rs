@@ -21,6 +21,7 @@ impl<'w> Builder<'w> {
         node
     }
 
+    /// Long, because it has one arm per kind of expression.
     fn eval_kind(&mut self, frame: &mut Frame<'w>, id: ExprId) -> Built<NodeId> {
         let body = frame.body;
         let expr = body.expr(id);
@@ -136,26 +137,27 @@ impl<'w> Builder<'w> {
         Ok(Ty { size: Some(Size::Known(size)), ..ty })
     }
 
-    /// A value converted to a type. Structs are taken apart, so that only simple types are converted.
+    /// A value converted to a type, as far as needed part by part and in steps.
     pub(super) fn converted(&mut self, x: NodeId, ty: TypeId) -> NodeId {
-        use crate::types::Type;
-        if self.nodes.ty(x) == ty {
+        let from = self.nodes.ty(x);
+        if from == ty {
             return x;
         }
-        match self.types.table.get(ty) {
-            Type::Struct(_) | Type::Array { .. } => {
-                let parts = (0..self.types.parts(ty))
-                    .filter_map(|index| {
-                        let (from, to) =
-                            (self.types.part(self.nodes.ty(x), index)?, self.types.part(ty, index)?);
-                        let part = self.nodes.part(&mut self.types, x, index, from);
-                        Some(self.converted(part, to))
-                    })
-                    .collect();
-                self.nodes.op(&mut self.types, Op::Construct, parts, ty)
-            }
-            _ => self.nodes.op(&mut self.types, Op::Convert, vec![x], ty),
+        if let Some(via) = self.types.via(from, ty) {
+            let x = self.converted(x, via);
+            return self.converted(x, ty);
         }
+        if !self.types.converts_by_parts(from, ty) {
+            return self.nodes.op(&mut self.types, Op::Convert, vec![x], ty);
+        }
+        let mut parts = Vec::new();
+        for index in 0..self.types.parts(ty) {
+            if let (Some(part), Some(target)) = (self.types.part(from, index), self.types.part(ty, index)) {
+                let part = self.nodes.part(&mut self.types, x, index, part);
+                parts.push(self.converted(part, target));
+            }
+        }
+        self.nodes.op(&mut self.types, Op::Construct, parts, ty)
     }
 
     /// The value of a constant.

@@ -25,7 +25,7 @@ use crate::sema::ty::{DefId, Size, Ty};
 use crate::span::{FileSpan, Span};
 use crate::types::{Type, TypeId};
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -88,7 +88,7 @@ pub struct Lowerer<'b, 'w> {
     /// Statements of the innermost block.
     pub out: Vec<Statement>,
     /// Results of inlined calls, per block.
-    pub inlined: Vec<FxHashMap<(DefId, Vec<ArgKey>), ExpressionId>>,
+    pub inlined: Vec<HashMap<(DefId, Vec<ArgKey>), ExpressionId>>,
     /// It reads the shading state.
     pub reads_state: bool,
     /// Earliest stage of its result.
@@ -112,7 +112,7 @@ impl<'b, 'w> Lowerer<'b, 'w> {
             expressions: Vec::new(),
             pinned: Vec::new(),
             out: Vec::new(),
-            inlined: vec![FxHashMap::default()],
+            inlined: vec![HashMap::default()],
             reads_state: false,
             floor: Stage::Const,
         };
@@ -233,7 +233,7 @@ impl<'b, 'w> Lowerer<'b, 'w> {
     /// Lowers statements into a block of their own.
     pub fn block(&mut self, run: impl FnOnce(&mut Self) -> Built<()>) -> Built<Vec<Statement>> {
         let outer = std::mem::take(&mut self.out);
-        self.inlined.push(FxHashMap::default());
+        self.inlined.push(HashMap::default());
         run(self)?;
         self.inlined.pop();
         Ok(std::mem::replace(&mut self.out, outer))
@@ -244,13 +244,17 @@ impl<'b, 'w> Lowerer<'b, 'w> {
         self.out.push(Statement::Store { place, value });
     }
 
-    /// A value converted to a type; structs and arrays part by part.
+    /// A value converted to a type, as far as needed part by part and in steps.
     pub fn converted(&mut self, x: ExpressionId, ty: TypeId, span: &FileSpan) -> ExpressionId {
         let from = self.type_of(x);
         if from == ty {
             return x;
         }
-        if !matches!(self.b.types.table.get(ty), Type::Struct(_) | Type::Array { .. }) {
+        if let Some(via) = self.b.types.via(from, ty) {
+            let x = self.converted(x, via, span);
+            return self.converted(x, ty, span);
+        }
+        if !self.b.types.converts_by_parts(from, ty) {
             return self.op(Op::Convert, vec![x], ty, span.clone());
         }
         self.pin(x);

@@ -18,6 +18,7 @@ mod eval;
 mod expression;
 mod instance;
 mod lower;
+mod lower_call;
 mod nodes;
 mod place;
 mod prune;
@@ -37,7 +38,7 @@ use crate::sema::ty::{DefId, SymbolId, Ty};
 use crate::span::{FileSpan, Span};
 use instance::InstanceKey;
 use nodes::Nodes;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use types::Types;
@@ -58,16 +59,16 @@ pub struct Builder<'w> {
     functions: Vec<Function>,
     /// Earliest stage of the result of each function.
     floors: Vec<Stage>,
-    instances: FxHashMap<InstanceKey, crate::graph::FunctionId>,
+    instances: HashMap<InstanceKey, crate::graph::FunctionId>,
     resources: Vec<Resource>,
     /// Results of calls of expression functions, by their arguments.
-    calls: FxHashMap<(DefId, Vec<NodeId>), NodeId>,
+    calls: HashMap<(DefId, Vec<NodeId>), NodeId>,
     /// Values of constants.
-    constants: FxHashMap<DefId, NodeId>,
+    constants: HashMap<DefId, NodeId>,
     /// Defaults of types.
-    defaults: FxHashMap<Ty, NodeId>,
+    defaults: HashMap<Ty, NodeId>,
     /// Which expressions of a function have an effect.
-    effects: FxHashMap<DefId, Rc<[bool]>>,
+    effects: HashMap<DefId, Rc<[bool]>>,
     diagnostics: Vec<Diagnostic>,
     /// Levels of nesting of the expressions and functions being built.
     depth: u32,
@@ -104,12 +105,12 @@ impl<'w> Builder<'w> {
             nodes: Nodes::default(),
             functions: Vec::new(),
             floors: Vec::new(),
-            instances: FxHashMap::default(),
+            instances: HashMap::default(),
             resources: Vec::new(),
-            calls: FxHashMap::default(),
-            constants: FxHashMap::default(),
-            defaults: FxHashMap::default(),
-            effects: FxHashMap::default(),
+            calls: HashMap::default(),
+            constants: HashMap::default(),
+            defaults: HashMap::default(),
+            effects: HashMap::default(),
             diagnostics: Vec::new(),
             depth: 0,
             steps: 0,

@@ -5,17 +5,17 @@
 
 use super::types::Types;
 use crate::fold::{self, Folder, Target};
-use crate::graph::{BinaryOp, Node, NodeId, NodeKind, Op, Stage};
+use crate::graph::{BinaryOp, Node, NodeId, NodeKind, Op, Stage, UnaryOp};
 use crate::types::{Type, TypeId};
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Hash-consed nodes.
 #[derive(Default)]
 pub struct Nodes {
     nodes: Vec<Node>,
-    ids: FxHashMap<Node, NodeId>,
+    ids: HashMap<Node, NodeId>,
 }
 
 impl Nodes {
@@ -180,6 +180,13 @@ impl Nodes {
             Some(Value::Bool(true)) => return Some(x),
             Some(Value::Bool(false)) => return Some(y),
             _ if x == y => return Some(x),
+            _ => {}
+        }
+        match (self.value(x), self.value(y)) {
+            (Some(Value::Bool(true)), Some(Value::Bool(false))) => return Some(condition),
+            (Some(Value::Bool(false)), Some(Value::Bool(true))) => {
+                return Some(self.op(types, Op::Unary(UnaryOp::Not), vec![condition], ty));
+            }
             _ => {}
         }
         let is_compound = matches!(types.table.get(ty), Type::Struct(_) | Type::Array { .. });

@@ -12,6 +12,7 @@ use crate::sema::parameter_ui;
 use crate::sema::ty::{DefId, Size, Ty};
 use crate::syntax::ast::Frequency;
 use crate::types::TypeId;
+use crate::verify::verify;
 
 /// Builds the graph of a material.
 pub fn material_graph(
@@ -30,6 +31,7 @@ pub fn material_graph(
     let (mut roots, parameters) = built.map_err(|Abort| builder.failure(checked, args))?;
     let mut graph = builder.into_graph(parameters);
     prune::graph(&mut graph, &mut each_root(&mut roots));
+    debug_assert_eq!(verify(&graph), Ok(()));
     Ok(MaterialGraph { name: signature.qualified.clone(), mode, graph, roots })
 }
 
@@ -50,6 +52,7 @@ pub fn function_graph(
     let (mut result, parameters) = built.map_err(|Abort| builder.failure(checked, args))?;
     let mut graph = builder.into_graph(parameters);
     prune::graph(&mut graph, &mut [&mut result]);
+    debug_assert_eq!(verify(&graph), Ok(()));
     Ok(FunctionGraph { name: signature.qualified.clone(), graph, result })
 }
 

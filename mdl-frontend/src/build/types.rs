@@ -2,8 +2,8 @@
 
 use crate::sema::hir::World;
 use crate::sema::ty::{Base, DefId, ModuleId, Size, Ty};
-use crate::types::{EnumType, StructType, Type, TypeId, TypeTable};
-use rustc_hash::FxHashMap;
+use crate::types::{EnumType, Scalar, StructType, Type, TypeId, TypeTable};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The types of a graph, found by the types of modules.
@@ -11,13 +11,13 @@ pub struct Types<'w> {
     world: &'w World,
     /// The table that becomes the graph's.
     pub table: TypeTable,
-    known: FxHashMap<Ty, TypeId>,
+    known: HashMap<Ty, TypeId>,
 }
 
 impl<'w> Types<'w> {
     /// A table with the fixed types.
     pub fn new(world: &'w World) -> Self {
-        Self { world, table: TypeTable::default(), known: FxHashMap::default() }
+        Self { world, table: TypeTable::default(), known: HashMap::default() }
     }
 
     /// The type with open sizes replaced by those of a frame; `None` if one has no size.
@@ -111,6 +111,31 @@ impl<'w> Types<'w> {
             }
             _ => return None,
         })
+    }
+
+    /// The type on the way of a conversion that takes two steps: an enumeration becomes an `int`, and a
+    /// scalar has the right kind before it becomes a vector, colour or matrix.
+    pub fn via(&mut self, from: TypeId, to: TypeId) -> Option<TypeId> {
+        let component = match self.table.get(to) {
+            Type::Vector { scalar, .. } | Type::Matrix { scalar, .. } => Type::Scalar(*scalar),
+            Type::Color => Type::Scalar(Scalar::Float),
+            _ => Type::Scalar(Scalar::Int),
+        };
+        let via = match self.table.get(from) {
+            Type::Scalar(_) if component != Type::Scalar(Scalar::Int) || self.parts(to) > 0 => {
+                self.table.intern(component)
+            }
+            Type::Enum(_) => TypeId::INT,
+            _ => return None,
+        };
+        (via != from && via != to).then_some(via)
+    }
+
+    /// Whether values of a type are converted part by part.
+    pub fn converts_by_parts(&self, from: TypeId, to: TypeId) -> bool {
+        let to = self.table.get(to);
+        let matrices = matches!((self.table.get(from), to), (Type::Matrix { .. }, Type::Matrix { .. }));
+        matrices || matches!(to, Type::Struct(_) | Type::Array { .. })
     }
 
     /// Number of parts of a compound type.

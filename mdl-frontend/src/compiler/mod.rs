@@ -8,8 +8,8 @@ mod standard;
 pub use checked::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, standard_modules};
 
 use crate::build::{self, Argument};
-use crate::diagnostics::modules::NoSuchModule;
-use crate::diagnostics::{Diagnostic, Problem};
+use crate::diagnostics::modules::{LoadFailed, NoSuchModule};
+use crate::diagnostics::{Diagnostic, Problem, similar};
 use crate::fold::{Folder, NoFolder};
 use crate::graph::{FunctionGraph, MaterialGraph, Mode};
 use crate::loader::{LoadError, LoadedSource, Loader, ModuleIdentity};
@@ -17,8 +17,8 @@ use crate::sema::hir::Module;
 use crate::sema::ty::ModuleId;
 use crate::span::{FileSpan, Span};
 use crate::syntax::ast;
-use rustc_hash::FxHashMap;
 use session::Session;
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -35,8 +35,8 @@ pub struct Compiler {
 /// What a compiler remembers.
 #[derive(Default)]
 struct State {
-    ids: FxHashMap<String, ModuleId>,
-    modules: FxHashMap<ModuleId, Checked>,
+    ids: HashMap<String, ModuleId>,
+    modules: HashMap<ModuleId, Checked>,
 }
 
 /// A checked module with what it was checked from.
@@ -106,11 +106,13 @@ impl Compiler {
         let mut session = Session::new(self);
         match session.load(&identity.segments, None) {
             Ok(Some(checked)) => Ok(CheckedModule::new(checked)),
-            Ok(None) => Err(Failure::placeless(NoSuchModule { name: identity.name() })),
-            Err(LoadError(reason)) => {
-                let problem = crate::diagnostics::modules::LoadFailed { name: identity.name(), reason };
-                Err(Failure::placeless(problem))
+            Ok(None) => {
+                let siblings = self.loader.siblings(identity.package());
+                let last = identity.segments.last().map_or("", |name| name);
+                let similar = similar(last, siblings.iter().map(String::as_str));
+                Err(Failure::placeless(NoSuchModule { name: identity.name(), similar }))
             }
+            Err(LoadError(reason)) => Err(Failure::placeless(LoadFailed { name: identity.name(), reason })),
         }
     }
 

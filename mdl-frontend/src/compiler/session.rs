@@ -8,14 +8,14 @@ use crate::sema::hir::{Module, World};
 use crate::sema::{self, ImportRequest, Input};
 use crate::span::Span;
 use crate::syntax;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// One run over a module and its imports, in which every module is loaded at most once.
 pub struct Session<'c> {
     pub(super) compiler: &'c Compiler,
     /// Modules that were loaded; `None` if there is no such module.
-    done: FxHashMap<String, Option<Checked>>,
+    done: HashMap<String, Option<Checked>>,
     /// Names of the modules that are being checked, outermost first.
     pub(super) stack: Vec<String>,
 }
@@ -23,7 +23,7 @@ pub struct Session<'c> {
 impl<'c> Session<'c> {
     /// Nothing loaded yet.
     pub fn new(compiler: &'c Compiler) -> Self {
-        Self { compiler, done: FxHashMap::default(), stack: Vec::new() }
+        Self { compiler, done: HashMap::default(), stack: Vec::new() }
     }
 
     /// Number of modules loaded so far.

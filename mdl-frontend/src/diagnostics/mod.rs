@@ -117,6 +117,14 @@ pub trait Problem {
     fn at(self, place: FileSpan) -> Diagnostic;
 }
 
+/// Cuts a message that names something longer than anyone reads.
+fn shorten(message: &mut String) {
+    if message.len() > limits::MESSAGE {
+        message.truncate(message.floor_char_boundary(limits::MESSAGE));
+        message.push('…');
+    }
+}
+
 /// Collects the diagnostics of one source file.
 #[derive(Debug)]
 pub struct Sink {
@@ -138,7 +146,8 @@ impl Sink {
 
     /// Adds a diagnostic at a place in this file.
     pub fn emit(&mut self, span: Span, problem: impl Problem) {
-        let diagnostic = problem.at(self.place(span));
+        let mut diagnostic = problem.at(self.place(span));
+        shorten(&mut diagnostic.message);
         self.errors += usize::from(diagnostic.is_error());
         // Errors are kept rather than warnings when there are too many of both.
         if self.list.len() < limits::DIAGNOSTICS
@@ -146,6 +155,11 @@ impl Sink {
         {
             self.list.push(diagnostic);
         }
+    }
+
+    /// Whether there are so many errors that further ones are dropped.
+    pub fn is_full(&self) -> bool {
+        self.errors >= limits::DIAGNOSTICS
     }
 
     /// Whether an error was added.

@@ -53,7 +53,8 @@ diagnostics! {
         help(format!("write `::{name}`"));
 
     /// A module was not found under the name that was asked for.
-    E0214 NoSuchModule { name: String } "module `{name}` does not exist";
+    E0214 NoSuchModule { name: String, similar: Option<String> } "module `{name}` does not exist"
+        help(did_you_mean(similar));
 
     /// A name that is imported although no version of the module has it for this importer.
     E0215 ImportNotInVersion { name: String, module: String, version: Version }

@@ -14,7 +14,9 @@ pub fn render(diagnostic: &Diagnostic, source: impl Fn(&str) -> Option<Arc<str>>
     let mut files = SimpleFiles::new();
     let mut ids: Vec<(&str, usize, usize)> = Vec::new();
     let mut labels = Vec::new();
-    for (index, (place, text)) in diagnostic.labels.iter().enumerate() {
+    // A problem with no place in any text, such as a module that does not exist, has no file.
+    let placed = diagnostic.labels.iter().filter(|(place, _)| !place.file.is_empty());
+    for (index, (place, text)) in placed.enumerate() {
         let known = ids.iter().find(|(name, ..)| *name == &*place.file).copied();
         let (_, id, length) = known.unwrap_or_else(|| {
             let text = source(&place.file).unwrap_or_default();

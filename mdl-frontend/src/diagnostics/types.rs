@@ -148,6 +148,9 @@ diagnostics! {
     /// A literal loses digits in its type.
     W0405 PrecisionLost { literal: String, ty: String } "`{literal}` cannot be held by `{ty}` without loss";
 
+    /// A resource with an empty path. It is the invalid reference, as if nothing was given.
+    W0407 EmptyResourcePath { ty: String } "empty path makes an invalid `{ty}`" help(format!("write `{ty}()` if that is meant"));
+
     /// A field of a struct was probably meant, which exists under a similar name.
     W0406 CategoryFieldDropped { name: String, to: String, similar: Option<String> }
         "field `{name}` is lost in the conversion to `{to}`"

@@ -4,7 +4,7 @@ use super::Checker;
 use super::hir::{AnnotationUse, Entity, ExprId, ExprKind, ParamSig, Signature};
 use super::standard;
 use super::ty::{DefId, Ty};
-use crate::diagnostics::{annotations as problems, similar};
+use crate::diagnostics::annotations as problems;
 use crate::fold;
 use crate::graph::ParameterUi;
 use crate::span::Span;
@@ -77,6 +77,12 @@ impl<'a> Checker<'_, 'a> {
         Some(AnnotationUse { name: signature.qualified.clone(), args: values, span: annotation.span })
     }
 
+    /// Says that an annotation is dropped.
+    fn drop_annotation(&mut self, name: &str, reason: &str, span: Span) {
+        let (name, reason) = (name.to_string(), reason.to_string());
+        self.emit(span, problems::WrongAnnotation { name, reason });
+    }
+
     fn declaration(&self, entity: &Entity) -> Option<(DefId, Arc<Signature>)> {
         match entity {
             Entity::Annotation(id) => {
@@ -94,7 +100,7 @@ impl<'a> Checker<'_, 'a> {
             imported.module.exports[*name].iter().any(|e| matches!(e, Entity::Annotation(_)))
         };
         let names = imported.module.export_order.iter().filter(is_annotation).map(|name| &**name);
-        similar(name, names).map(|name| format!("{module}::{name}"))
+        self.similar(name, names).map(|name| format!("{module}::{name}"))
     }
 
     /// Checks the ranges among a parameter's annotations; the hard one, as values of its type.

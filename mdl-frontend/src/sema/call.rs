@@ -5,12 +5,12 @@ use super::convert::{self, Implicit};
 use super::hir::{Entity, ExprId, ExprKind, ParamSig, Signature};
 use super::lookup::Found;
 use super::scope::LocalEntry;
-use super::ty::{Base, DefId, Size, Ty};
+use super::ty::{DefId, Size, Ty};
 use crate::diagnostics::{
-    annotations as annotation_problems, build::NotSupported, calls as problems, names as name_problems,
-    similar, syntax as syntax_problems, types as type_problems,
+    build::NotSupported, calls as problems, names as name_problems, syntax as syntax_problems,
+    types as type_problems,
 };
-use crate::span::{FileSpan, Span};
+use crate::span::Span;
 use crate::syntax::ast;
 use crate::syntax::version::Version;
 use crate::value::Value;
@@ -314,6 +314,17 @@ impl<'a> Checker<'_, 'a> {
                 fit.warned += u32::from(how.ok_or(Misfit::Type(arg, index))? == Implicit::Warned);
             }
         }
+        for (index, param) in params.iter().enumerate() {
+            if let (None, Some(Size::Symbol(symbol)), Some(size)) =
+                (fit.args[index], param.ty.size, param.default_size)
+            {
+                let size = Size::Known(size);
+                match fit.sizes[symbol.0 as usize].replace(size) {
+                    Some(first) if first != size => return Err(Misfit::Sizes(index, first, size)),
+                    _ => {}
+                }
+            }
+        }
         Ok(fit)
     }
 
@@ -338,101 +349,6 @@ impl<'a> Checker<'_, 'a> {
         }
         let category = self.m.same_category(from, to).then_some(Implicit::Allowed);
         Ok(convert::implicit(from, to).or(category))
-    }
-
-    /// Reports why no candidate fits.
-    fn report_misfit(&mut self, candidates: &[DefId], args: &[CallArg<'a>], callee: Span) {
-        let function = self.slice(callee).to_string();
-        if let [id] = candidates {
-            let signature = self.m.signature(*id);
-            if let Err(misfit) = self.fit(&signature, args) {
-                self.report_one_misfit(&function, &signature, args, &misfit, callee);
-            }
-            return;
-        }
-        // A name that no overload has is the mistake, whatever the types are.
-        let signatures: Vec<Arc<Signature>> = candidates.iter().map(|id| self.m.signature(*id)).collect();
-        let misfits: Vec<_> = signatures.iter().filter_map(|s| self.fit(s, args).err()).collect();
-        if let Some(Misfit::UnknownName(index)) = misfits.first()
-            && misfits.iter().all(|misfit| *misfit == Misfit::UnknownName(*index))
-            && let Some((name, span)) = args[*index].name
-        {
-            let names = signatures.iter().flat_map(|signature| &signature.params).map(|param| &*param.name);
-            let similar = similar(name, names);
-            let name = name.to_string();
-            self.emit(span, problems::UnknownParameter { function, name, similar, declared: None });
-            return;
-        }
-        let candidates: Vec<FileSpan> = signatures.iter().take(4).map(|s| s.span.clone()).collect();
-        let args = self.describe(args);
-        self.emit(callee, problems::NoOverload { function, args, candidates });
-    }
-
-    /// Reports why one signature does not fit.
-    pub(super) fn report_one_misfit(
-        &mut self,
-        function: &str,
-        signature: &Signature,
-        args: &[CallArg<'a>],
-        misfit: &Misfit,
-        callee: Span,
-    ) {
-        let function = function.to_string();
-        let declared = Some(signature.span.clone()).filter(|span| !span.file.is_empty());
-        match *misfit {
-            Misfit::UnknownName(index) => {
-                let (name, span) = args[index].name.unwrap_or(("", callee));
-                let similar = similar(name, signature.params.iter().map(|param| &*param.name));
-                let name = name.to_string();
-                self.emit(span, problems::UnknownParameter { function, name, similar, declared });
-            }
-            Misfit::TooMany(index) => {
-                let parameters = signature.params.len();
-                self.emit(args[index].span, problems::TooManyArguments { function, parameters, declared });
-            }
-            Misfit::Twice(index, first) => {
-                let span = args[index].name.map_or(args[index].span, |(_, span)| span);
-                let name = args[index].name.map(|(name, _)| name.to_string()).unwrap_or_default();
-                let first = self.m.sink.place(args[first].span);
-                self.emit(span, problems::ArgumentTwice { name, first });
-            }
-            Misfit::Missing(index) => {
-                let name = signature.params[index].name.to_string();
-                self.emit(callee, problems::MissingArgument { function, name, declared });
-            }
-            Misfit::Type(arg, index) => {
-                let param = &signature.params[index];
-                let found = self.display(self.body.ty(args[arg].value));
-                let expected = self.m.display_with(param.ty, &signature.symbols);
-                let declared = Some(param.span.clone()).filter(|span| !span.file.is_empty());
-                let name = param.name.to_string();
-                self.emit(args[arg].span, problems::ArgumentType { name, found, expected, declared });
-            }
-            Misfit::Sizes(index, first, second) => {
-                let symbol = match signature.params[index].ty.size {
-                    Some(Size::Symbol(id)) => signature.symbols[id.0 as usize].to_string(),
-                    _ => String::new(),
-                };
-                let (first, second) = (self.describe_size(first), self.describe_size(second));
-                self.emit(callee, problems::ArraySizesDiffer { symbol, first, second });
-            }
-        }
-    }
-
-    fn describe_size(&self, size: Size) -> String {
-        match size {
-            Size::Known(size) => size.to_string(),
-            Size::Symbol(id) => format!("`{}`", self.symbols.get(id.0 as usize).map_or("N", |name| name)),
-        }
-    }
-
-    /// Types of arguments as a user writes them.
-    pub(super) fn describe(&self, args: &[CallArg<'a>]) -> String {
-        let describe = |arg: &CallArg<'a>| {
-            let ty = self.display(self.body.ty(arg.value));
-            arg.name.map_or(ty.clone(), |(name, _)| format!("{name}: {ty}"))
-        };
-        args.iter().map(describe).collect::<Vec<_>>().join(", ")
     }
 
     /// Warns if a constant lies outside its parameter's hard range.
@@ -462,34 +378,10 @@ impl<'a> Checker<'_, 'a> {
         self.emit(span, name_problems::Deprecated { name, reason });
     }
 
-    /// An argument for a parameter of a type, given from outside: conversions that a constructor makes
-    /// are allowed, and a string may name a file.
-    pub(super) fn argument_value(&mut self, id: ast::ExprId, ty: Ty) -> ExprId {
-        let span = self.nodes.expr(id).span;
-        if ty.is_resource() && matches!(self.nodes.expr(id).kind, ast::ExprKind::String(_)) {
-            return self.resource(ty, &[ast::Arg { name: None, value: id }], span);
-        }
-        let value = self.expr(id);
-        let from = self.body.ty(value);
-        match (from.size, ty.size) {
-            (Some(_), Some(Size::Symbol(_))) if from.base == ty.base => value,
-            (None, None) if convert::explicit(from, ty) && !matches!(ty.base, Base::Scalar(_)) => {
-                self.convert(value, ty)
-            }
-            _ => self.coerce(value, ty),
-        }
-    }
-
     /// Says that a part of the language is not compiled yet.
     pub(super) fn not_supported(&mut self, what: &'static str, span: Span) -> ExprId {
         self.emit(span, NotSupported { what });
         self.error(span)
-    }
-
-    /// Says that an annotation is dropped.
-    pub(super) fn drop_annotation(&mut self, name: &str, reason: &str, span: Span) {
-        let (name, reason) = (name.to_string(), reason.to_string());
-        self.emit(span, annotation_problems::WrongAnnotation { name, reason });
     }
 }
 

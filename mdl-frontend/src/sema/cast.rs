@@ -5,7 +5,7 @@ use super::hir::{ExprId, ExprKind};
 use super::ty::{Base, DefId, Size, Ty};
 use super::type_expr::TypeUse;
 use super::{Checker, ModuleCx};
-use crate::diagnostics::{calls as call_problems, similar, types as problems};
+use crate::diagnostics::{calls as call_problems, types as problems};
 use crate::span::Span;
 use crate::syntax::ast::{self, OperatorName, TypeExpr};
 
@@ -67,7 +67,7 @@ impl<'a> Checker<'_, 'a> {
             let (source, target) = (self.m.structure(from).clone(), self.m.structure(target).clone());
             for field in &source.fields {
                 if !target.fields.iter().any(|other| other.name == field.name && other.ty == field.ty) {
-                    let similar = similar(&field.name, target.fields.iter().map(|field| &*field.name));
+                    let similar = self.similar(&field.name, target.fields.iter().map(|field| &*field.name));
                     if similar.is_some() {
                         let (name, to) = (field.name.to_string(), self.display(to));
                         self.emit(span, problems::CategoryFieldDropped { name, to, similar });

@@ -19,31 +19,40 @@ impl<'a> Checker<'_, 'a> {
             return self.push(ExprKind::Error, ty, span);
         }
         match (ty.base, ty.size) {
-            (_, Some(size)) => self.construct_elements(ty.element(), Some(size), args, span),
-            (Base::Struct(id), None) => self.construct_struct(id, ty, args, span),
-            _ if args.is_empty() => self.push(ExprKind::Default, ty, span),
-            (Base::Vector(scalar, size), None) => {
-                let names = &["x", "y", "z", "w"][..size.into()];
-                self.from_one(ty, args, &["value"]).or_else(|| {
-                    let parts = self.from_parts(names, Ty::of(Base::Scalar(scalar)), args)?;
-                    Some(self.push(ExprKind::Construct(parts), ty, span))
-                })
-            }
-            .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            (Base::Matrix(scalar, columns, rows), None) => self
-                .from_one(ty, args, &["value"])
-                .or_else(|| self.matrix(scalar, columns, rows, args, span))
-                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            (Base::Color, None) => self
-                .from_one(ty, args, &["value", "rgb"])
-                .or_else(|| {
-                    let parts = self.from_parts(&["r", "g", "b"], Ty::FLOAT, args)?;
-                    Some(self.push(ExprKind::Construct(parts), ty, span))
-                })
-                .or_else(|| self.spectrum(args, span))
-                .unwrap_or_else(|| self.no_constructor(ty, args, span)),
-            _ => self.from_one(ty, args, &["value"]).unwrap_or_else(|| self.no_constructor(ty, args, span)),
+            (_, Some(size)) => return self.construct_elements(ty.element(), Some(size), args, span),
+            (Base::Struct(id), None) => return self.construct_struct(id, ty, args, span),
+            _ if args.is_empty() => return self.push(ExprKind::Default, ty, span),
+            _ => {}
         }
+        let constructed = match ty.base {
+            Base::Vector(scalar, size) => {
+                let names = &["x", "y", "z", "w"][..size.into()];
+                self.single(ty, args, &["value"], span)
+                    .or_else(|| self.components(ty, names, Ty::of(Base::Scalar(scalar)), args, span))
+            }
+            Base::Matrix(scalar, columns, rows) => self
+                .single(ty, args, &["value"], span)
+                .or_else(|| self.matrix(scalar, columns, rows, args, span)),
+            Base::Color => self
+                .single(ty, args, &["value", "rgb"], span)
+                .or_else(|| self.components(ty, &["r", "g", "b"], Ty::FLOAT, args, span))
+                .or_else(|| self.spectrum(args, span)),
+            _ => self.single(ty, args, &["value"], span),
+        };
+        constructed.unwrap_or_else(|| self.no_constructor(ty, args, span))
+    }
+
+    /// A vector or colour from its components.
+    fn components(
+        &mut self,
+        ty: Ty,
+        names: &[&str],
+        component: Ty,
+        args: &[CallArg<'a>],
+        span: Span,
+    ) -> Option<ExprId> {
+        let parts = self.parts(names, component, args)?;
+        Some(self.push(ExprKind::Construct(parts), ty, span))
     }
 
     fn no_constructor(&mut self, ty: Ty, args: &[CallArg<'a>], span: Span) -> ExprId {
@@ -53,22 +62,18 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// A value converted from the only argument.
-    fn from_one(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str]) -> Option<ExprId> {
+    fn single(&mut self, ty: Ty, args: &[CallArg<'a>], names: &[&str], span: Span) -> Option<ExprId> {
         let [arg] = args else { return None };
         let fits = arg.name.is_none_or(|(name, _)| names.contains(&name));
         let from = self.body.ty(arg.value);
         if !fits || !convert::explicit(from, ty) {
             return None;
         }
-        Some(self.convert(arg.value, ty))
+        Some(self.convert_at(arg.value, ty, span))
     }
 
     /// One argument per part, in any order if they are named.
-    fn from_parts(&mut self, names: &[&str], part: Ty, args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
-        self.from_parts_of(names, &vec![part; names.len()], args)
-    }
-
-    fn from_parts_of(&mut self, names: &[&str], parts: &[Ty], args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
+    fn parts(&mut self, names: &[&str], part: Ty, args: &[CallArg<'a>]) -> Option<Vec<ExprId>> {
         if args.len() != names.len() {
             return None;
         }
@@ -84,14 +89,14 @@ impl<'a> Checker<'_, 'a> {
         }
         let ordered: Option<Vec<ExprId>> = ordered.into_iter().collect();
         let ordered = ordered?;
-        let converts = |(id, ty): (&ExprId, &Ty)| {
+        let converts = |id: &ExprId| {
             use convert::Implicit::{Allowed, Same};
-            matches!(convert::implicit(self.body.ty(*id), *ty), Some(Allowed | Same))
+            matches!(convert::implicit(self.body.ty(*id), part), Some(Allowed | Same))
         };
-        if !ordered.iter().zip(parts).all(converts) {
+        if !ordered.iter().all(converts) {
             return None;
         }
-        Some(ordered.into_iter().zip(parts).map(|(id, ty)| self.convert(id, *ty)).collect())
+        Some(ordered.into_iter().map(|id| self.convert(id, part)).collect())
     }
 
     /// A matrix from its columns, or from its elements column by column.
@@ -106,13 +111,13 @@ impl<'a> Checker<'_, 'a> {
         let ty = Ty::of(Base::Matrix(scalar, columns, rows));
         let column = Ty::of(Base::Vector(scalar, rows));
         let names = &["col0", "col1", "col2", "col3"][..columns.into()];
-        if let Some(parts) = self.from_parts(names, column, args) {
+        if let Some(parts) = self.parts(names, column, args) {
             return Some(self.push(ExprKind::Construct(parts), ty, span));
         }
         let names: Vec<String> =
             (0..columns).flat_map(|column| (0..rows).map(move |row| format!("m{column}{row}"))).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let elements = self.from_parts(&names, Ty::of(Base::Scalar(scalar)), args)?;
+        let elements = self.parts(&names, Ty::of(Base::Scalar(scalar)), args)?;
         let parts = elements
             .chunks(rows.into())
             .map(|parts| self.push(ExprKind::Construct(parts.to_vec()), column, span))
@@ -176,6 +181,7 @@ impl<'a> Checker<'_, 'a> {
             ty: field.ty,
             frequency: None,
             has_default: field.default != FieldDefault::Type,
+            default_size: None,
             hard_range: None,
             span: place(field.span),
         });

@@ -38,7 +38,7 @@ pub fn implicit(from: Ty, to: Ty) -> Option<Implicit> {
 
 /// Whether a constructor of a type takes one argument of another type.
 pub fn explicit(from: Ty, to: Ty) -> bool {
-    if matches!(implicit(from, to), Some(_)) {
+    if implicit(from, to).is_some() {
         return true;
     }
     if from.size.is_some() || to.size.is_some() {

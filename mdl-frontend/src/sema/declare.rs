@@ -14,7 +14,7 @@ use crate::limits;
 use crate::span::Span;
 use crate::syntax::ast::{self, ItemKind};
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 impl<'a> ModuleCx<'a> {
@@ -26,7 +26,7 @@ impl<'a> ModuleCx<'a> {
             ItemKind::Error | ItemKind::Alias { .. } | ItemKind::Import(_) | ItemKind::Using { .. } => {}
             ItemKind::Module(annotations) => {
                 let uses = checker.annotations(annotations);
-                self.module.uses.extend(uses);
+                checker.m.module.uses.extend(uses);
             }
             ItemKind::Annotation { name, params, annotations } => {
                 for family in families_or_one(&families) {
@@ -39,11 +39,16 @@ impl<'a> ModuleCx<'a> {
                 let ty = checker.ty(ty, TypeUse::Other).unwrap_or(Ty::ERROR);
                 checker.declare_entity(item, *name, Entity::Type(ty));
             }
-            ItemKind::Struct { declarative, name, category, annotations, fields } => {
-                checker.structure(item, *declarative, *name, *category, annotations, fields);
+            ItemKind::Struct { name, .. } => {
+                let ty = checker.structure(&item.kind);
+                checker.declare_entity(item, *name, Entity::Type(ty));
             }
-            ItemKind::Enum { name, annotations, values } => {
-                checker.enumeration(item, *name, annotations, values)
+            ItemKind::Enum { name, values, .. } => {
+                let (ty, id) = checker.enumeration(&item.kind);
+                checker.declare_entity(item, *name, Entity::Type(ty));
+                for (index, value) in (0u32..).zip(values) {
+                    checker.declare_entity(item, value.name, Entity::Enumerator(id, index));
+                }
             }
             ItemKind::Category { name, annotations } => {
                 checker.annotations(annotations);
@@ -53,13 +58,15 @@ impl<'a> ModuleCx<'a> {
                 None => checker.variant(item, function),
                 Some(params) => {
                     for family in families_or_one(&families) {
-                        let mut checker = Checker::new(self, &item.nodes);
+                        checker = Checker::new(checker.m, &item.nodes);
                         checker.set_family(family);
                         checker.function(item, function, params);
                     }
                 }
             },
         }
+        let called: Vec<u32> = checker.calls.iter().map(|(callee, _)| *callee).collect();
+        self.meant_functions.extend(called);
     }
 }
 
@@ -107,6 +114,7 @@ impl Checker<'_, '_> {
                 ty,
                 frequency: param.ty.frequency,
                 has_default: param.default.is_some(),
+                default_size: None,
                 hard_range: None,
                 span: self.m.sink.place(param.name.span),
             };
@@ -189,15 +197,12 @@ impl Checker<'_, '_> {
         }
     }
 
-    fn structure(
-        &mut self,
-        item: &ast::Item,
-        declarative: bool,
-        name: ast::Ident,
-        category: Option<ast::Path>,
-        annotations: &[ast::Annotation],
-        declared: &[ast::Param],
-    ) {
+    /// Checks a struct; its type.
+    pub(super) fn structure(&mut self, item: &ItemKind) -> Ty {
+        let ItemKind::Struct { declarative, name, category, annotations, fields: declared } = item else {
+            return Ty::ERROR;
+        };
+        let (declarative, name) = (*declarative, *name);
         let window = self.standard_annotations(annotations).window;
         let category = category.and_then(|path| self.category_of(path));
         self.annotations(annotations);
@@ -238,7 +243,7 @@ impl Checker<'_, '_> {
             span: name.span,
         };
         self.m.module.structs.push(Arc::new(definition));
-        self.declare_entity(item, name, Entity::Type(Ty::of(Base::Struct(id))));
+        Ty::of(Base::Struct(id))
     }
 
     fn fields(&mut self, owner: ast::Ident, fields: &[ast::Param], category: Option<DefId>) -> Vec<Field> {
@@ -248,7 +253,7 @@ impl Checker<'_, '_> {
             self.emit(owner.span, problems::TooManyParameters { name, limit });
             return Vec::new();
         }
-        let mut seen: FxHashMap<&str, Span> = FxHashMap::default();
+        let mut seen: HashMap<&str, Span> = HashMap::default();
         let mut checked: Vec<Field> = Vec::new();
         let mut first_default = None;
         for field in fields {
@@ -319,13 +324,11 @@ impl Checker<'_, '_> {
         self.declare_entity(item, name, Entity::Category(id));
     }
 
-    fn enumeration(
-        &mut self,
-        item: &ast::Item,
-        name: ast::Ident,
-        annotations: &[ast::Annotation],
-        values: &[ast::Enumerator],
-    ) {
+    /// Checks an enumeration; its type.
+    pub(super) fn enumeration(&mut self, item: &ItemKind) -> (Ty, DefId) {
+        let id = self.next_id(self.m.module.enums.len());
+        let ItemKind::Enum { name, annotations, values } = item else { return (Ty::ERROR, id) };
+        let name = *name;
         let window = self.standard_annotations(annotations).window;
         self.annotations(annotations);
         if values.is_empty() {
@@ -344,7 +347,6 @@ impl Checker<'_, '_> {
             checked.push((name.into(), number));
         }
         self.scopes.leave();
-        let id = self.next_id(self.m.module.enums.len());
         let qualified = self.m.qualified(self.name_of(name));
         self.m.module.enums.push(Arc::new(Enum {
             name: qualified,
@@ -352,10 +354,7 @@ impl Checker<'_, '_> {
             window,
             span: name.span,
         }));
-        self.declare_entity(item, name, Entity::Type(Ty::of(Base::Enum(id))));
-        for (index, value) in values.iter().enumerate() {
-            self.declare_entity(item, value.name, Entity::Enumerator(id, index as u32));
-        }
+        (Ty::of(Base::Enum(id)), id)
     }
 
     fn enumerator_value(&mut self, value: ast::ExprId) -> Option<i32> {

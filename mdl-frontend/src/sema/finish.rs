@@ -1,7 +1,7 @@
 //! Checks that need the whole module: recursion, missing definitions, exports, what is unused.
 
 use super::ModuleCx;
-use super::hir::{Entity, ExprKind, FunctionKind, Module};
+use super::hir::{Body, DefaultArg, Entity, Expr, ExprId, ExprKind, FunctionKind, Module};
 use super::ty::{Base, DefId, Ty};
 use crate::diagnostics::names as problems;
 use crate::span::{FileSpan, Span};
@@ -103,20 +103,42 @@ impl ModuleCx<'_> {
             }
             // Defaults are evaluated where the function is called.
             for default in function.defaults.iter().flatten() {
-                let super::hir::DefaultArg::Own(id) = default else { continue };
-                if let ExprKind::Call(callee, _) = function.body.expr(*id).kind
-                    && callee.module == self.module.id
-                    && !self.function(callee).exported
-                {
-                    let used = &self.function(callee).signature;
-                    let span = function.body.expr(*id).span;
-                    found.push((signature.name.to_string(), span, used.name.to_string(), used.span.span));
+                if let DefaultArg::Own(id) = default {
+                    let name = &signature.name;
+                    self.unexported_uses(&function.body, *id, |span, used, declared| {
+                        found.push((name.to_string(), span, used, declared));
+                    });
                 }
             }
         }
         for (name, span, used, declared) in found {
             let declared = self.sink.place(declared);
             self.sink.emit(span, problems::UsesUnexported { name, used, declared });
+        }
+    }
+
+    /// Calls `found` with the functions and constants of this module in an expression that are not exported.
+    fn unexported_uses(&self, body: &Body, id: ExprId, mut found: impl FnMut(Span, String, Span)) {
+        let mut open = vec![id];
+        while let Some(id) = open.pop() {
+            let Expr { kind, span, .. } = body.expr(id);
+            match kind {
+                ExprKind::Call(callee, _)
+                    if callee.module == self.module.id && !self.function(*callee).exported =>
+                {
+                    let used = &self.function(*callee).signature;
+                    found(*span, used.name.to_string(), used.span.span);
+                }
+                ExprKind::Global(id) if id.module == self.module.id => {
+                    let constant = &self.module.constants[id.index as usize];
+                    let name = constant.name.rsplit("::").next().unwrap_or_default();
+                    if !self.module.exports.contains_key(name) {
+                        found(*span, name.to_string(), constant.span);
+                    }
+                }
+                _ => {}
+            }
+            kind.each_operand(|operand| open.push(operand));
         }
     }
 
@@ -140,7 +162,7 @@ impl ModuleCx<'_> {
 
     /// Reports functions of which some overloads are exported and others not.
     fn check_overload_exports(&mut self) {
-        let mut firsts: rustc_hash::FxHashMap<Arc<str>, usize> = rustc_hash::FxHashMap::default();
+        let mut firsts: std::collections::HashMap<Arc<str>, usize> = std::collections::HashMap::default();
         let mut found = Vec::new();
         for (index, function) in self.module.functions.iter().enumerate() {
             if matches!(function.kind, FunctionKind::Forward(_)) {
@@ -163,8 +185,8 @@ impl ModuleCx<'_> {
         self.calls.iter().filter(|(caller, callee, _)| caller != callee).for_each(|(_, callee, _)| {
             called[*callee as usize] = true;
         });
-        for index in &self.meant_functions {
-            called[*index as usize] = true;
+        for (index, called) in (0u32..).zip(&mut called) {
+            *called |= self.meant_functions.contains(&index);
         }
         for (index, function) in self.module.functions.iter().enumerate() {
             if let FunctionKind::Forward(definition) = function.kind {

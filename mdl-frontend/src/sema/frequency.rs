@@ -15,7 +15,7 @@ use super::ty::Ty;
 use crate::diagnostics::types as problems;
 use crate::span::{FileSpan, Span};
 use crate::syntax::ast::Frequency;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
 /// Passes over a body after which everything assigned is taken to vary.
 const ROUNDS: usize = 64;
@@ -105,7 +105,7 @@ struct Analysis<'m, 'a, 'b> {
     /// Loops and switches around, innermost last.
     breakable: Vec<StmtId>,
     /// What leaving each loop early depends on.
-    exits: FxHashMap<StmtId, Freq>,
+    exits: HashMap<StmtId, Freq>,
     result: Freq,
     changed: bool,
     report: bool,
@@ -119,7 +119,7 @@ impl<'m, 'a, 'b> Analysis<'m, 'a, 'b> {
             locals: vec![Freq::Uniform; body.locals.len()],
             control: Freq::Uniform,
             breakable: Vec::new(),
-            exits: FxHashMap::default(),
+            exits: HashMap::default(),
             result: Freq::Uniform,
             changed: false,
             report: false,

@@ -143,7 +143,15 @@ impl Checker<'_, '_> {
             let hard_range = self.ranges(&uses, ty, &name, span);
             let has_default = param.default.is_some();
             let span = self.m.sink.place(span);
-            checked.sigs.push(ParamSig { name, ty, frequency, has_default, hard_range, span });
+            checked.sigs.push(ParamSig {
+                name,
+                ty,
+                frequency,
+                has_default,
+                default_size: None,
+                hard_range,
+                span,
+            });
             checked.uses.push(uses);
         }
         // A default sees the parameters before its own.
@@ -157,6 +165,11 @@ impl Checker<'_, '_> {
                     self.emit(param.name.span, problems::DefaultBeforeRequired { name, first });
                 }
                 _ => {}
+            }
+            if let Some(DefaultArg::Own(value)) = default
+                && let Some(Size::Known(size)) = self.body.ty(value).size
+            {
+                checked.sigs[index].default_size = Some(size);
             }
             checked.defaults.push(default);
             self.declare_param(index, param, &checked.uses[index]);

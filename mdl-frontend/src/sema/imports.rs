@@ -3,11 +3,11 @@
 use super::ModuleCx;
 use super::hir::{Entity, Module};
 use super::ty::Base;
-use crate::diagnostics::{modules as problems, names as name_problems, similar, syntax as syntax_problems};
+use crate::diagnostics::{modules as problems, names as name_problems, syntax as syntax_problems};
 use crate::span::Span;
 use crate::syntax::ast::{self, ImportPath, ItemKind, PathStart};
 use crate::syntax::version::Version;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A module that an import asks for.
@@ -30,7 +30,7 @@ impl ImportRequest {
 
 /// The modules that a syntax tree imports, in source order.
 pub fn requests(syntax: &ast::Module) -> Vec<ImportRequest> {
-    let mut aliases: FxHashMap<&str, &str> = FxHashMap::default();
+    let mut aliases: HashMap<&str, &str> = HashMap::default();
     let mut requests = Vec::new();
     for item in &syntax.items {
         match &item.kind {
@@ -62,7 +62,7 @@ fn request(
     nodes: &ast::Nodes,
     path: &ImportPath,
     drop: usize,
-    aliases: &FxHashMap<&str, &str>,
+    aliases: &HashMap<&str, &str>,
 ) -> ImportRequest {
     let idents = nodes.path(path.path);
     let mut start = path.start;
@@ -227,7 +227,7 @@ impl<'a> ModuleCx<'a> {
             }
             None => {
                 if !module.has_errors() {
-                    let similar = similar(name, module.export_order.iter().map(|name| &**name));
+                    let similar = self.similar(name, module.export_order.iter().map(|name| &**name));
                     let name = name.to_string();
                     let problem = name_problems::UnknownInModule { name, module: module_name, similar };
                     self.sink.emit(ident.span, problem);

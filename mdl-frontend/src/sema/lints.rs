@@ -11,7 +11,7 @@ use crate::span::Span;
 use crate::syntax::ast;
 use crate::types::Scalar;
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
 impl<'a> Checker<'_, 'a> {
     /// Warns of a name that is not used, or used though it is marked as unused.
@@ -104,7 +104,7 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// Warns of values of an enumeration that a `switch` leaves out.
-    pub(super) fn lint_missing_cases(&mut self, id: DefId, seen: &FxHashMap<Option<i32>, Span>, span: Span) {
+    pub(super) fn lint_missing_cases(&mut self, id: DefId, seen: &HashMap<Option<i32>, Span>, span: Span) {
         let definition = self.m.enumeration(id).clone();
         let missing: Vec<String> = definition
             .values

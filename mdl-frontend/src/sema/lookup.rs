@@ -65,6 +65,15 @@ impl<'a> ModuleCx<'a> {
         all.iter().filter(|entity| is_annotation(entity) == annotation).copied().collect()
     }
 
+    /// The candidate nearest to a name that is not known; none when nobody would read it.
+    pub(super) fn similar<'n>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'n str>,
+    ) -> Option<String> {
+        if self.sink.is_full() { None } else { similar(name, candidates) }
+    }
+
     /// The nearest name to an unknown one: without a qualifier, or in an imported module.
     fn similar_name<'n>(&self, name: &str, locals: impl Iterator<Item = &'n str>) -> Option<String> {
         // A name that is spelt right but lacks its module is the likeliest mistake.
@@ -73,7 +82,7 @@ impl<'a> ModuleCx<'a> {
             return Some(format!("{path}::{name}"));
         }
         let names: Vec<&str> = locals.collect();
-        similar(name, names.into_iter().chain(self.scope.all_names()))
+        self.similar(name, names.into_iter().chain(self.scope.all_names()))
     }
 
     /// Where the module declares a name further down.
@@ -95,6 +104,15 @@ impl<'a> ModuleCx<'a> {
 }
 
 impl<'a> Checker<'_, 'a> {
+    /// The candidate nearest to a name that is not known.
+    pub(super) fn similar<'n>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'n str>,
+    ) -> Option<String> {
+        self.m.similar(name, candidates)
+    }
+
     /// What a path stands for, as a value, function or type.
     pub(super) fn lookup(&mut self, path: ast::Path) -> Found {
         self.lookup_in(path, false)
@@ -152,7 +170,13 @@ impl<'a> Checker<'_, 'a> {
     }
 
     /// Whether a name occurs in what the parser skipped: its declaration may have been there.
-    pub(super) fn is_lost(&self, name: &str) -> bool {
+    pub(super) fn is_lost(&mut self, name: &str) -> bool {
+        // Searching is slow, and by now nobody reads what is wrong with yet another name.
+        const SEARCHES: u32 = 1000;
+        self.m.lost_searches += 1;
+        if self.m.lost_searches > SEARCHES {
+            return self.m.sink.has_errors();
+        }
         let is_error = |item: &&ast::Item| matches!(item.kind, ast::ItemKind::Error);
         let items = self.m.syntax.items.iter().filter(is_error).map(|item| item.span);
         let lost = self.nodes.lost.iter().copied().chain(items);
@@ -186,7 +210,7 @@ impl<'a> Checker<'_, 'a> {
         let module_name = || module.identity.name();
         if entities.is_empty() {
             if !annotation && !module.has_errors() {
-                let similar = similar(name, module.export_order.iter().map(|name| &**name));
+                let similar = self.similar(name, module.export_order.iter().map(|name| &**name));
                 let problem =
                     problems::UnknownInModule { name: name.to_string(), module: module_name(), similar };
                 self.emit(path.span, problem);
@@ -204,7 +228,7 @@ impl<'a> Checker<'_, 'a> {
             return;
         }
         let import = STANDARD.contains(&key);
-        let similar = similar(key, self.m.scope.modules().map(|(path, _)| path));
+        let similar = self.similar(key, self.m.scope.modules().map(|(path, _)| path));
         self.emit(span, problems::ModuleNotImported { module: key.to_string(), similar, import });
     }
 

@@ -8,6 +8,7 @@
 mod annotations;
 mod call;
 mod cast;
+mod coerce;
 mod constant;
 mod construct;
 mod convert;
@@ -21,6 +22,7 @@ mod imports;
 mod language;
 mod lints;
 mod lookup;
+mod misfit;
 mod operators;
 mod resource;
 mod scope;
@@ -42,8 +44,8 @@ use crate::span::Span;
 use crate::syntax::ast;
 use crate::types::TypeTable;
 use hir::{Body, Enum, Function, Module, Signature, Struct, World};
-use rustc_hash::{FxHashMap, FxHashSet};
 use scope::{LocalScopes, ModuleScope};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use ty::{Base, DefId, ModuleId, Size, Ty};
 
@@ -110,15 +112,17 @@ pub struct ModuleCx<'a> {
     scope: ModuleScope,
     sink: Sink,
     /// Aliases of names in paths, by `using a = "b";`.
-    aliases: FxHashMap<&'a str, Arc<str>>,
+    aliases: HashMap<&'a str, Arc<str>>,
     /// The first declaration was seen, and where.
     first_declaration: Option<Span>,
     /// Calls of the module's own functions: caller, callee, place.
     calls: Vec<(u32, u32, Span)>,
     /// Own functions that are meant by calls which do not fit them.
-    meant_functions: FxHashSet<u32>,
+    meant_functions: HashSet<u32>,
     /// Own constants that are used.
-    used_constants: FxHashSet<u32>,
+    used_constants: HashSet<u32>,
+    /// How often what the parser skipped was searched for a name.
+    lost_searches: u32,
     /// Types for the folder.
     types: TypeTable,
 }
@@ -139,11 +143,12 @@ impl<'a> ModuleCx<'a> {
             module,
             scope: ModuleScope::default(),
             sink,
-            aliases: FxHashMap::default(),
+            aliases: HashMap::default(),
             first_declaration: None,
             calls: Vec::new(),
-            meant_functions: FxHashSet::default(),
-            used_constants: FxHashSet::default(),
+            meant_functions: HashSet::default(),
+            used_constants: HashSet::default(),
+            lost_searches: 0,
             types: TypeTable::default(),
         }
     }
@@ -233,7 +238,7 @@ pub struct Checker<'m, 'a> {
     /// Names of open array sizes.
     symbols: Vec<Arc<str>>,
     /// Float literals without suffix: they keep full precision until they are converted.
-    literals: FxHashMap<hir::ExprId, f64>,
+    literals: HashMap<hir::ExprId, f64>,
     /// Values may be changed: this is the body of a function.
     imperative: bool,
     /// This is the value of a constant, where everything doubtful is an error.
@@ -259,7 +264,7 @@ impl<'m, 'a> Checker<'m, 'a> {
             scopes: LocalScopes::default(),
             params: 0,
             symbols: Vec::new(),
-            literals: FxHashMap::default(),
+            literals: HashMap::default(),
             imperative: false,
             constant_init: false,
             ordinary: false,

@@ -44,7 +44,14 @@ impl<'a> Checker<'_, 'a> {
             }
         }
         let kind = kind(ty);
-        let resolved = self.resolve_resource(&written, kind, name_span);
+        let resolved = match written.is_empty() {
+            true => {
+                let ty = self.display(ty);
+                self.emit(name_span, problems::EmptyResourcePath { ty });
+                None
+            }
+            false => self.resolve_resource(&written, kind, name_span),
+        };
         let span_of_name = self.m.sink.place(name_span);
         let resource = ResourceExpr { kind, written, resolved, gamma, selector, span: span_of_name };
         self.push(ExprKind::Resource(Box::new(resource)), ty, span)
@@ -127,9 +134,6 @@ fn kind(ty: Ty) -> ResourceKind {
 
 /// Absolute paths that a path as written may mean, in order of preference.
 fn candidates(written: &str, from: &ModuleIdentity, version: Version) -> Result<Vec<String>, String> {
-    if written.is_empty() {
-        return Err("it is empty".to_string());
-    }
     if let Some(c) = written.chars().find(|c| matches!(c, ':' | '\\') || c.is_control()) {
         let c = if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
         return Err(format!("it contains `{c}`"));
@@ -182,7 +186,7 @@ mod tests {
         check("/../x.png", Err("it leads above the search root"));
         check("C:/x.png", Err("it contains `:`"));
         check("a\\x.png", Err("it contains `\\`"));
-        check("", Err("it is empty"));
+        check("a//b.png", Err("it has an empty part"));
     }
 
     #[test]

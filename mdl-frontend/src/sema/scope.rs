@@ -4,18 +4,18 @@ use super::hir::{Entity, LocalId, Module};
 use super::ty::{SymbolId, Ty};
 use crate::span::Span;
 use crate::value::Value;
-use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Names of a module: its own, and those that it imports.
 #[derive(Default)]
 pub struct ModuleScope {
     /// Names that are used without a module before them.
-    names: FxHashMap<Arc<str>, Names>,
+    names: HashMap<Arc<str>, Names>,
     /// Annotations that are used without a module before them.
-    annotations: FxHashMap<Arc<str>, Names>,
+    annotations: HashMap<Arc<str>, Names>,
     /// Imported modules by the path under which their names are used, such as `a::b`.
-    modules: FxHashMap<String, ImportedModule>,
+    modules: HashMap<String, ImportedModule>,
     /// Paths of [`Self::modules`] in order of import.
     paths: Vec<String>,
     /// Names in order of declaration, for suggestions.
@@ -40,11 +40,11 @@ pub struct ImportedModule {
     /// All its names can be used.
     pub all: bool,
     /// Names that can be used unless all can.
-    pub names: FxHashSet<Arc<str>>,
+    pub names: HashSet<Arc<str>>,
 }
 
 impl ModuleScope {
-    fn table(&mut self, entity: Entity) -> &mut FxHashMap<Arc<str>, Names> {
+    fn table(&mut self, entity: Entity) -> &mut HashMap<Arc<str>, Names> {
         match entity {
             Entity::Annotation(_) => &mut self.annotations,
             _ => &mut self.names,
@@ -113,7 +113,7 @@ impl ModuleScope {
     pub fn qualify(&mut self, path: String, module: &Arc<Module>, name: Option<&Arc<str>>) {
         let imported = self.modules.entry(path).or_insert_with_key(|path| {
             self.paths.push(path.clone());
-            ImportedModule { module: module.clone(), all: false, names: FxHashSet::default() }
+            ImportedModule { module: module.clone(), all: false, names: HashSet::default() }
         });
         match name {
             Some(name) => _ = imported.names.insert(name.clone()),
@@ -155,7 +155,7 @@ pub enum LocalEntry {
 pub struct LocalScopes<'a> {
     entries: Vec<LocalName<'a>>,
     /// Indices of the entries of each name, innermost last.
-    by_name: FxHashMap<&'a str, Vec<usize>>,
+    by_name: HashMap<&'a str, Vec<usize>>,
     blocks: Vec<usize>,
 }
 
@@ -176,6 +176,18 @@ pub struct LocalName<'a> {
 }
 
 impl<'a> LocalScopes<'a> {
+    /// The types and constants that are visible.
+    pub fn without_variables(&self) -> Self {
+        let mut scopes = Self::default();
+        for name in &self.entries {
+            if matches!(name.entry, LocalEntry::Type(_) | LocalEntry::Constant(..)) {
+                scopes.declare(name.name, name.entry.clone(), name.span);
+                scopes.allow_unused();
+            }
+        }
+        scopes
+    }
+
     /// Enters a block.
     pub fn enter(&mut self) {
         self.blocks.push(self.entries.len());
@@ -231,15 +243,6 @@ impl<'a> LocalScopes<'a> {
         let found = &mut self.entries[index];
         found.used = true;
         Some(&found.entry)
-    }
-
-    /// Moves all locals to higher numbers.
-    pub fn shift(&mut self, by: u32) {
-        for name in &mut self.entries {
-            if let LocalEntry::Variable(local) = &mut name.entry {
-                local.0 += by;
-            }
-        }
     }
 
     /// All names, innermost first.

@@ -5,13 +5,12 @@ use super::hir::{Case, ExprId, ExprKind, Stmt, StmtId, StmtKind};
 use super::scope::LocalEntry;
 use super::ty::{Base, Ty};
 use super::type_expr::TypeUse;
-use crate::diagnostics::build::NotSupported;
 use crate::diagnostics::{flow as problems, names as name_problems, types as type_problems};
 use crate::span::Span;
 use crate::syntax::ast;
 use crate::types::Scalar;
 use crate::value::Value;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
 /// What statements must know of the function around them.
 #[derive(Default)]
@@ -185,12 +184,43 @@ impl<'a> Checker<'_, 'a> {
             }
             ast::ItemKind::Typedef { ty, name } => {
                 let ty = self.ty(ty, TypeUse::Other).unwrap_or(Ty::ERROR);
-                let name_text = self.name_of(*name);
-                self.scopes.declare(name_text, LocalEntry::Type(ty), name.span);
-                self.scopes.allow_unused();
+                self.declare_type(*name, ty);
             }
-            _ => self.emit(span, NotSupported { what: "structs and enumerations inside functions" }),
+            ast::ItemKind::Struct { name, .. } => {
+                let ty = self.apart(|inner| inner.structure(item));
+                self.declare_type(*name, ty);
+            }
+            ast::ItemKind::Enum { name, values, .. } => {
+                let (ty, id) = self.apart(|inner| inner.enumeration(item));
+                self.declare_type(*name, ty);
+                let definition = self.m.enumeration(id).clone();
+                for (value, (_, number)) in values.iter().zip(&definition.values) {
+                    let entry = LocalEntry::Constant(Value::Int(*number), ty);
+                    self.scopes.declare(self.name_of(value.name), entry, value.name.span);
+                    self.scopes.allow_unused();
+                }
+            }
+            _ => self.emit(span, problems::Misplaced { what: "this declaration" }),
         }
+    }
+
+    fn declare_type(&mut self, name: ast::Ident, ty: Ty) {
+        let text = self.name_of(name);
+        if let Some(first) = self.scopes.declare(text, LocalEntry::Type(ty), name.span) {
+            let first = Some(self.m.sink.place(first));
+            self.emit(name.span, name_problems::Redeclared { name: text.to_string(), first });
+        }
+        self.scopes.allow_unused();
+    }
+
+    /// Checks a declaration that sees the types and constants around, but no variables.
+    fn apart<T>(&mut self, check: impl FnOnce(&mut Checker<'_, 'a>) -> T) -> T {
+        let mut inner = Checker::new(self.m, self.nodes);
+        inner.scopes = self.scopes.without_variables();
+        let result = check(&mut inner);
+        let calls = std::mem::take(&mut inner.calls);
+        self.calls.extend(calls);
+        result
     }
 
     /// An `if` with all its `else if`, which may be many: no recursion along the chain.
@@ -277,7 +307,7 @@ impl<'a> Checker<'_, 'a> {
         if !cases.iter().any(|case| case.label.is_some()) {
             self.emit(span, problems::SwitchWithoutCase {});
         }
-        let mut seen: FxHashMap<Option<i32>, Span> = FxHashMap::default();
+        let mut seen: HashMap<Option<i32>, Span> = HashMap::default();
         let mut checked = Vec::with_capacity(cases.len());
         let mut reached = true;
         self.flow.breakable.push(Breakable { is_loop: false, broken: false, continued: false });

@@ -6,7 +6,7 @@ use super::scope::LocalEntry;
 use super::ty::{Base, Size, SymbolId, Ty};
 use super::{Checker, ModuleCx};
 use crate::diagnostics::build::LimitReached;
-use crate::diagnostics::{names as name_problems, similar, types as problems};
+use crate::diagnostics::{names as name_problems, types as problems};
 use crate::limits;
 use crate::span::Span;
 use crate::syntax::ast::{self, ArrayExpr, TypeExpr, TypeName};
@@ -52,7 +52,7 @@ impl<'a> Checker<'_, 'a> {
         }
         if path.len == 1 && !path.absolute && !self.is_known(name) {
             let types = self.m.scope.all_names().filter(|name| self.is_type_name(name));
-            let similar = similar(name, types.chain(KEYWORD_TYPES.iter().copied()));
+            let similar = self.similar(name, types.chain(KEYWORD_TYPES.iter().copied()));
             if !self.is_lost(name) {
                 self.emit(path.span, name_problems::UnknownType { name: name.to_string(), similar });
             }

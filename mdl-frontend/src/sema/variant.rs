@@ -5,14 +5,15 @@
 
 use super::Checker;
 use super::hir::{
-    Body, DefaultArg, Entity, ExprId, ExprKind, Function, FunctionKind, Local, LocalId, ParamSig, Signature,
+    AnnotationUse, Body, DefaultArg, Entity, ExprId, ExprKind, Function, FunctionKind, Local, LocalId,
+    ParamSig, Signature, Window,
 };
 use super::lookup::Found;
 use super::ty::{DefId, Size, Ty};
 use super::type_expr::TypeUse;
 use crate::diagnostics::{names as problems, types as type_problems};
 use crate::span::Span;
-use crate::syntax::ast::{self, FunctionBody, Init};
+use crate::syntax::ast::{self, FunctionBody};
 use std::sync::Arc;
 
 impl<'a> Checker<'_, 'a> {
@@ -23,39 +24,48 @@ impl<'a> Checker<'_, 'a> {
         let result = self.ty(&function.result, TypeUse::Result);
         let uses = self.annotations(&function.annotations);
         self.annotations(&function.result_annotations);
-        self.scopes.enter();
-        let (call, bindings) = self.unwrap_lets(body);
-        let found = self.original(call, &name, result);
-        let Some((original, callee, args)) = found else {
-            self.scopes.leave();
-            return;
-        };
+        let call = self.innermost(body);
+        let Some((original, callee, args)) = self.original(call, &name, result) else { return };
         let signature = self.m.signature(original);
         self.check_variant_result(result, &signature, function.result.span);
-        // The parameters must be the first locals; those of the `let`s follow.
-        let shift = signature.params.len() as u32;
-        self.insert_params(&signature, span);
-        let bindings: Vec<_> =
-            bindings.into_iter().map(|(local, value)| (LocalId(local.0 + shift), value)).collect();
-        let args = self.args(args);
-        let Some(defaults) = self.variant_defaults(original, &signature, &args, &bindings, callee) else {
-            self.scopes.leave();
-            return;
-        };
-        self.leave_block();
+        self.inherit_params(&signature, span);
         self.scopes.enter();
-        let params: Vec<Option<ExprId>> = (0..shift)
-            .map(|index| {
-                Some(self.push(ExprKind::Local(LocalId(index)), signature.params[index as usize].ty, span))
-            })
+        let bindings = self.outer_lets(body);
+        let args = self.args(args);
+        let defaults = self.variant_defaults(original, &signature, &args, &bindings, callee);
+        self.leave_block();
+        let Some(defaults) = defaults else { return };
+        let params = (0u32..).zip(&signature.params);
+        let params: Vec<Option<ExprId>> = params
+            .map(|(index, param)| Some(self.push(ExprKind::Local(LocalId(index)), param.ty, span)))
             .collect();
-        let body_span = self.nodes.expr(body).span;
-        let value = self.push(ExprKind::Call(original, params), signature.result, body_span);
-        self.declare_variant(item, name, span, original, &signature, defaults, uses, value);
+        let place = self.nodes.expr(body).span;
+        let value = self.push(ExprKind::Call(original, params), signature.result, place);
+        let params = signature.params.iter().zip(&defaults);
+        let params =
+            params.map(|(param, default)| ParamSig { has_default: default.is_some(), ..param.clone() });
+        let variant = Signature {
+            qualified: self.m.qualified(&name),
+            name,
+            params: params.collect(),
+            window: Window::ALWAYS,
+            const_expr: false,
+            span: self.m.sink.place(span),
+            ..(*signature).clone()
+        };
+        self.declare_variant(item, original, variant, defaults, uses, value);
     }
 
-    /// The call within `let`s, whose names are declared.
-    fn unwrap_lets(&mut self, body: ast::ExprId) -> (ast::ExprId, Vec<(LocalId, ExprId)>) {
+    /// The expression within parentheses and `let`s.
+    fn innermost(&self, mut body: ast::ExprId) -> ast::ExprId {
+        while let ast::ExprKind::Paren(inner) | ast::ExprKind::Let(_, inner) = self.nodes.expr(body).kind {
+            body = inner;
+        }
+        body
+    }
+
+    /// Declares the names of the `let`s around the call.
+    fn outer_lets(&mut self, body: ast::ExprId) -> Vec<(LocalId, ExprId)> {
         let mut bindings = Vec::new();
         let mut at = body;
         loop {
@@ -66,17 +76,13 @@ impl<'a> Checker<'_, 'a> {
                         let ty = self.ty(&decl.ty, TypeUse::Local);
                         for variable in &decl.variables {
                             let (value, ty) = self.initial_value(variable, ty, decl.ty.span);
-                            debug_assert!(matches!(
-                                variable.init,
-                                Init::Default | Init::Value(_) | Init::Construct(_)
-                            ));
-                            bindings
-                                .push((self.declare_local(variable, ty, decl.ty.frequency, false), value));
+                            let local = self.declare_local(variable, ty, decl.ty.frequency, false);
+                            bindings.push((local, value));
                         }
                     }
                     at = *inner;
                 }
-                _ => return (at, bindings),
+                _ => return bindings,
             }
         }
     }
@@ -145,33 +151,14 @@ impl<'a> Checker<'_, 'a> {
         }
     }
 
-    /// Puts the original's parameters before the locals that exist already.
-    fn insert_params(&mut self, signature: &Signature, span: Span) {
-        let shift = signature.params.len() as u32;
-        let later = std::mem::take(&mut self.body.locals);
-        self.body.locals = signature
-            .params
-            .iter()
-            .map(|param| Local {
-                name: param.name.clone(),
-                ty: param.ty,
-                frequency: param.frequency,
-                mutable: false,
-                span,
-            })
-            .chain(later)
-            .collect();
+    /// Makes the original's parameters the first locals. Their names cannot be used in a variant.
+    fn inherit_params(&mut self, signature: &Signature, span: Span) {
+        for param in &signature.params {
+            let (name, ty, frequency) = (param.name.clone(), param.ty, param.frequency);
+            self.body.push_local(Local { name, ty, frequency, mutable: false, span });
+        }
         self.params = signature.params.len();
         self.symbols = signature.symbols.clone();
-        self.scopes.shift(shift);
-        let move_local = |local: &mut LocalId| local.0 += shift;
-        for expr in &mut self.body.exprs {
-            match &mut expr.kind {
-                ExprKind::Local(local) => move_local(local),
-                ExprKind::Let(bindings, _) => bindings.iter_mut().for_each(|(local, _)| move_local(local)),
-                _ => {}
-            }
-        }
     }
 
     /// Defaults of the variant: the arguments, or those of the original.
@@ -218,56 +205,41 @@ impl<'a> Checker<'_, 'a> {
         Some(defaults)
     }
 
-    #[allow(clippy::too_many_arguments, reason = "the parts of one declaration")]
     fn declare_variant(
         &mut self,
         item: &ast::Item,
-        name: Arc<str>,
-        span: Span,
         original: DefId,
-        signature: &Signature,
+        signature: Signature,
         defaults: Vec<Option<DefaultArg>>,
-        uses: Vec<super::hir::AnnotationUse>,
+        uses: Vec<AnnotationUse>,
         value: ExprId,
     ) {
+        let (name, span) = (signature.name.clone(), signature.span.span);
         if let [other, ..] = self.m.own_overloads(&name)[..] {
             let first = self.m.signature(other).span.clone();
             self.emit(span, problems::MaterialOverloaded { name: name.to_string(), first });
-            self.leave_function();
             return;
         }
-        let params = signature.params.iter().zip(&defaults);
-        let params = params
-            .map(|(param, default)| ParamSig { has_default: default.is_some(), ..param.clone() })
-            .collect();
-        let variant = Signature {
-            qualified: self.m.qualified(&name),
-            name,
-            params,
-            window: super::hir::Window::ALWAYS,
-            const_expr: false,
-            span: self.m.sink.place(span),
-            ..signature.clone()
-        };
+        let base = self.m.function(original);
         let function = Function {
-            signature: Arc::new(variant),
+            signature: Arc::new(signature),
             exported: item.exported,
             kind: FunctionKind::Prototype,
             body: Body::default(),
             defaults,
-            varying: self.m.function(original).varying,
+            varying: base.varying,
             varying_defaults: Vec::new(),
-            effects: self.m.function(original).effects,
+            effects: base.effects,
             variant_of: Some(original),
             uses,
-            param_uses: self.m.function(original).param_uses.clone(),
+            param_uses: base.param_uses.clone(),
         };
         if original.module == self.m.module.id {
             self.calls.push((original.index, span));
         }
-        match self.m.add_function(function, span) {
-            Some(id) => self.finish_function(id, FunctionKind::Expr(value), false),
-            None => self.leave_function(),
+        if let Some(id) = self.m.add_function(function, span) {
+            self.scopes.enter();
+            self.finish_function(id, FunctionKind::Expr(value), false);
         }
     }
 }

@@ -17,6 +17,12 @@ pub fn unicode_name(written: &str) -> std::borrow::Cow<'_, str> {
 }
 
 lalrpop_util::lalrpop_mod!(
-    #[allow(missing_docs, unused_qualifications, clippy::all, reason = "generated")]
+    #[allow(
+        missing_docs,
+        unused_qualifications,
+        clippy::all,
+        clippy::allow_attributes_without_reason,
+        reason = "generated"
+    )]
     grammar
 );

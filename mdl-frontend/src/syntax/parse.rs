@@ -44,7 +44,8 @@ fn parse_item(text: &str, tokens: &[(Token, Span)], raw: &RawItem, sink: &mut Si
         recoveries.push(ErrorRecovery { error, dropped_tokens: Vec::new() });
         (false, ItemKind::Error)
     });
-    Errors { text, tokens, end: span.end, unclosed: raw.unclosed }.report(recoveries, sink);
+    Errors { text, tokens, what: "declaration", end: span.end, unclosed: raw.unclosed }
+        .report(recoveries, sink);
     Item { span, exported, kind, nodes }
 }
 
@@ -67,7 +68,8 @@ pub fn parse_expression(text: &str, version: Version, sink: &mut Sink) -> Option
             None
         }
     };
-    Errors { text, tokens: &tokens, end: text.len() as u32, unclosed: false }.report(recoveries, sink);
+    Errors { text, tokens: &tokens, what: "expression", end: text.len() as u32, unclosed: false }
+        .report(recoveries, sink);
     root.map(|root| (nodes, root))
 }
 
@@ -75,6 +77,8 @@ pub fn parse_expression(text: &str, version: Version, sink: &mut Sink) -> Option
 struct Errors<'t> {
     text: &'t str,
     tokens: &'t [(Token, Span)],
+    /// What it is, for messages.
+    what: &'static str,
     /// Where the item ends.
     end: u32,
     /// A bracket is never closed; reported.
@@ -114,7 +118,7 @@ impl Errors<'_> {
         }
         let found = match token(error) {
             Some(_) => format!("`{}`", self.slice(span)),
-            None => "end of the declaration".to_string(),
+            None => format!("end of the {}", self.what),
         };
         sink.emit(span, problems::Unexpected { found, expected: describe(expected) });
     }
@@ -242,7 +246,7 @@ fn describe(expected: &[String]) -> String {
     group(&mut names, "IDENT", "a name", &[&["IDENT", "UNICODE_IDENT"]]);
     // What may stand almost everywhere helps nobody, unless nothing else may.
     let rare = |name: &&str| !["[[", "[<", "[", ".", "::"].contains(name);
-    if !groups.is_empty() || names.iter().any(|name| rare(name)) {
+    if !groups.is_empty() || names.iter().any(rare) {
         names.retain(rare);
     }
     groups.extend(names.iter().take(5).map(|name| format!("`{name}`")));
