@@ -1,1 +1,3 @@
-//! TODO
+//! Scenes, light transport, and pictures.
+
+pub mod geometry;

@@ -1,0 +1,128 @@
+//! A bounding volume hierarchy with eight children per node.
+//!
+//! A child is another node, or a leaf: one block of up to eight triangles, or one instance. Boxes lie in
+//! columns, so that a ray is tested against all eight children at once. The box test errs to the side of
+//! a hit (T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013), so no triangle is lost to rounding.
+
+use super::bounds::Bounds;
+use super::lanes::Lanes;
+use super::ray::Ray;
+use super::triangle::Block;
+
+/// Marks a child as a leaf; the other bits are its index.
+pub const LEAF: u32 = 1 << 31;
+
+/// The distance to the far side of a box is multiplied by this: 1 + 4u, more than twice the bound of the
+/// relative error of the three operations that lead to it.
+const WIDEN: f32 = 1.0 + 4.0 * f32::EPSILON;
+
+/// Eight boxes and what is in them.
+#[repr(C, align(64))]
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Columns: least x, y, z, then greatest x, y, z. An empty child has its least above its greatest.
+    pub planes: [[f32; 8]; 6],
+    /// Nodes, or leaves with [`LEAF`] set.
+    pub children: [u32; 8],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Node = Node {
+        planes: [
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+        ],
+        children: [LEAF; 8],
+    };
+
+    /// Puts a child into a lane.
+    pub fn set(&mut self, lane: usize, bounds: Bounds, child: u32) {
+        for axis in 0..3 {
+            self.planes[axis][lane] = bounds.min[axis];
+            self.planes[axis + 3][lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// A hierarchy over leaves that lie elsewhere.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    /// The root comes first, children after their parents.
+    pub nodes: Vec<Node>,
+    /// Entries of a traversal stack that suffice.
+    pub stack_need: usize,
+}
+
+/// A hierarchy over triangles.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    /// The hierarchy; its leaves are blocks.
+    pub tree: Tree,
+    /// The triangles.
+    pub blocks: Vec<Block>,
+    /// Lanes of each block whose triangles may be cut out; empty if none is.
+    pub cutouts: Vec<u8>,
+    /// Around all triangles.
+    pub bounds: Bounds,
+}
+
+impl Bvh {
+    /// Size in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.tree.nodes[..]) + size_of_val(&self.blocks[..]) + self.cutouts.len()
+    }
+}
+
+/// A ray prepared for box tests.
+#[derive(Clone, Copy)]
+pub struct BoxRay<L> {
+    origin: [L; 3],
+    inverse: [L; 3],
+    /// Planes of a node where the ray enters and leaves, by axis.
+    near: [usize; 3],
+    far: [usize; 3],
+}
+
+impl<L: Lanes> BoxRay<L> {
+    /// For a ray.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction.to_array();
+        // A component of zero has an infinite inverse of the same sign.
+        let inverse = d.map(|d| 1.0 / d);
+        let axes = [0, 1, 2];
+        let negative = inverse.map(|i| i.is_sign_negative());
+        Self {
+            origin: ray.origin.to_array().map(L::splat),
+            inverse: inverse.map(L::splat),
+            near: axes.map(|axis| if negative[axis] { axis + 3 } else { axis }),
+            far: axes.map(|axis| if negative[axis] { axis } else { axis + 3 }),
+        }
+    }
+
+    /// The lanes of `node` that the ray meets before `limit`, and where it enters them.
+    ///
+    /// A plane through the origin of a ray that runs along it gives 0·∞: such a distance is NaN and, as
+    /// the first operand of `min` and `max`, ignored.
+    #[inline(always)]
+    pub fn meets(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
+        let distance = |plane: usize, axis: usize| {
+            L::load(&node.planes[plane]).sub(self.origin[axis]).mul(self.inverse[axis])
+        };
+        let enter = L::splat(0.0);
+        let enter = distance(self.near[0], 0).max(enter);
+        let enter = distance(self.near[1], 1).max(enter);
+        let enter = distance(self.near[2], 2).max(enter);
+        let leave = L::splat(limit);
+        let leave = distance(self.far[0], 0).min(leave);
+        let leave = distance(self.far[1], 1).min(leave);
+        let leave = distance(self.far[2], 2).min(leave);
+        (enter.le(leave.mul(L::splat(WIDEN))), enter.store())
+    }
+}
