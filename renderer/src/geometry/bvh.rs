@@ -14,7 +14,7 @@ pub const LEAF: u32 = 1 << 31;
 
 /// The distance to the far side of a box is multiplied by this: 1 + 4u, more than twice the bound of the
 /// relative error of the three operations that lead to it.
-const WIDEN: f32 = 1.0 + 4.0 * f32::EPSILON;
+pub const WIDEN: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 /// Eight boxes and what is in them.
 #[repr(C, align(64))]

@@ -250,6 +250,24 @@ fn garbage_triangles_neither_hit_nor_hang() {
 }
 
 #[test]
+fn needles_are_seen_from_a_distance() {
+    let mut random = Random(7);
+    // A square fan of needles: every ray through it hits one of them.
+    let rim: Vec<Vec3> = (0..2001).map(|i| Vec3::new(-1.0 + i as f32 * 1e-3, 1.0, 0.0)).collect();
+    let mut triangles: Triangles = Vec::new();
+    for pair in rim.windows(2) {
+        triangles.push([Vec3::new(0.0, -1e4, 0.0), pair[0], pair[1]]);
+    }
+    let accel = flat(&triangles);
+    let mut stack = accel.stack();
+    for _ in 0..20_000 {
+        let target = Vec3::new(random.unit() - 0.5, random.unit() * 0.5, 0.0);
+        let origin = Vec3::new(random.unit(), random.unit(), 3.0 * random.unit() + 0.1);
+        assert!(accel.closest(Ray::new(origin, target - origin), Filter::All, &mut stack).is_some());
+    }
+}
+
+#[test]
 fn equal_distances_are_decided_by_index_in_every_layout() {
     let mut random = Random(6);
     let quad = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.5, 0.0)];

@@ -1,6 +1,6 @@
 //! The walk through a hierarchy, nearest child first.
 
-use super::bvh::{BoxRay, LEAF, Tree};
+use super::bvh::{BoxRay, LEAF, Tree, WIDEN};
 use super::lanes::Lanes;
 use super::ray::Ray;
 
@@ -68,13 +68,13 @@ pub fn walk<L: Lanes>(
                 continue;
             }
         }
-        // A tie at the limit may still be decided by the index of the triangle.
+        // A tie at the limit may still be decided by the index of the triangle, so rounding must not hide it.
         current = loop {
             if stack.entries.len() == bottom {
                 return;
             }
             match stack.entries.pop() {
-                Some((enter, child)) if enter <= limit => break child,
+                Some((enter, child)) if enter <= limit * WIDEN => break child,
                 _ => {}
             }
         };
