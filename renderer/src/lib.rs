@@ -1,3 +1,4 @@
 //! Scenes, light transport, and pictures.
 
 pub mod geometry;
+pub mod scenes;

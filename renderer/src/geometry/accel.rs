@@ -9,20 +9,29 @@ use super::offset::gamma;
 use super::ray::{Hit, HitBatch, Ray, RayBatch};
 #[cfg(target_arch = "x86_64")]
 use super::simd;
-use super::traverse::{Filter, Stack, Visit, walk};
-use super::triangle::{LaneHit, Shear, intersect};
+use super::traverse::{Filter, Leaves, Stack, Visit, walk};
+use super::triangle::{Block, Shear, crossed, hit};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
 /// Triangles in world space, of any number of instances.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Flat {
     /// The hierarchy; primitives count through all instances.
     pub bvh: Bvh,
-    /// Instance of each primitive.
-    pub instance: Vec<u32>,
-    /// By instance, the first of its primitives; without meaning for instances that are not here.
-    pub first: Vec<u32>,
+    /// First primitive and index of each instance, in order.
+    pub instances: Vec<(u32, u32)>,
+}
+
+impl Flat {
+    /// Instance of a primitive, and its index in the instance's mesh.
+    #[inline(always)]
+    fn locate(&self, primitive: u32) -> (u32, u32) {
+        // A search in a small table; a large one with an entry per primitive would not be in the cache.
+        let after = self.instances.partition_point(|&(first, _)| first <= primitive);
+        let (first, instance) = self.instances[after - 1];
+        (instance, primitive - first)
+    }
 }
 
 /// A mesh in its place.
@@ -37,7 +46,7 @@ pub struct Placed {
 }
 
 /// What rays are traced against.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Accel {
     flat: Option<Flat>,
     placed: Vec<Placed>,
@@ -63,10 +72,10 @@ impl Accel {
         self.bounds
     }
 
-    /// The same geometry traced without vector instructions of the machine. For tests of equality.
-    pub fn without_simd(mut self) -> Self {
-        self.simd = false;
-        self
+    /// Whether to use vector instructions beyond the target's baseline, if there are any; at first, yes. The
+    /// hits are the same.
+    pub fn set_simd(&mut self, on: bool) {
+        self.simd = on && simd_available();
     }
 
     /// Whether vector instructions beyond the target's baseline are used.
@@ -86,7 +95,7 @@ impl Accel {
         let mut meshes: Vec<&Arc<Bvh>> = self.placed.iter().map(|p| &p.bvh).collect();
         meshes.sort_by_key(|bvh| Arc::as_ptr(bvh));
         meshes.dedup_by_key(|bvh| Arc::as_ptr(bvh));
-        let flat = self.flat.as_ref().map_or(0, |f| f.bvh.bytes() + 4 * (f.instance.len() + f.first.len()));
+        let flat = self.flat.as_ref().map_or(0, |f| f.bvh.bytes() + size_of_val(&f.instances[..]));
         let top = size_of_val(&self.top.nodes[..]) + size_of_val(&self.placed[..]);
         flat + top + meshes.iter().map(|bvh| bvh.bytes()).sum::<usize>()
     }
@@ -164,18 +173,14 @@ impl Accel {
         if let Some(flat) = &self.flat {
             closest_in::<L>(&flat.bvh, &ray, filter, stack, 0, &mut best);
             if best.is_some() {
-                best.instance = flat.instance[best.primitive as usize];
-                best.primitive -= flat.first[best.instance as usize];
+                (best.instance, best.primitive) = flat.locate(best.primitive);
             }
         }
         if !self.placed.is_empty() {
             let shortened = Ray { limit: best.t, ..ray };
-            walk::<L>(&self.top, &shortened, stack, |leaf, limit, stack| {
-                let placed = &self.placed[leaf as usize];
-                let local = to_object(placed, &ray, limit);
-                closest_in::<L>(&placed.bvh, &local, filter, stack, placed.instance, &mut best);
-                Visit::Continue(best.t)
-            });
+            let mut leaves = ClosestInstance { accel: self, ray: &ray, filter, best };
+            walk::<L>(&self.top, &shortened, stack, &mut leaves);
+            best = leaves.best;
         }
         best
     }
@@ -188,15 +193,114 @@ impl Accel {
         {
             return true;
         }
-        let mut found = false;
+        let mut leaves = AnyInstance { accel: self, ray: &ray, filter, found: false };
         if !self.placed.is_empty() {
-            walk::<L>(&self.top, &ray, stack, |leaf, limit, stack| {
-                let placed = &self.placed[leaf as usize];
-                found = occluded_in::<L>(&placed.bvh, &to_object(placed, &ray, limit), filter, stack);
-                if found { Visit::Stop } else { Visit::Continue(limit) }
-            });
+            walk::<L>(&self.top, &ray, stack, &mut leaves);
         }
-        found
+        leaves.found
+    }
+}
+
+/// Looks for the nearest of the triangles in blocks.
+struct ClosestTriangle<'a> {
+    bvh: &'a Bvh,
+    blocks: &'a [Block],
+    shear: Shear,
+    filter: Filter,
+    instance: u32,
+    best: Hit,
+}
+
+impl<L: Lanes> Leaves<L> for ClosestTriangle<'_> {
+    #[inline(always)]
+    fn announce(&self, block: u32) {
+        L::prefetch(&self.blocks[block as usize]);
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, block: u32, _: f32, _: &mut Stack) -> Visit {
+        let triangles = &self.blocks[block as usize];
+        let mut lanes = crossed::<L>(triangles, &self.shear);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 7;
+            lanes &= lanes - 1;
+            let Some(hit) = hit(triangles, lane, &self.shear) else { continue };
+            let id = (self.instance, triangles.primitive[lane]);
+            let best = &self.best;
+            let nearer = hit.t < best.t || hit.t == best.t && id < (best.instance, best.primitive);
+            if hit.t > hit.error && nearer && admits(self.bvh, self.filter, block, lane) {
+                self.best = Hit { t: hit.t, b1: hit.b1, b2: hit.b2, instance: id.0, primitive: id.1 };
+            }
+        }
+        Visit::Continue(self.best.t)
+    }
+}
+
+/// Looks for any triangle in blocks.
+struct AnyTriangle<'a> {
+    bvh: &'a Bvh,
+    blocks: &'a [Block],
+    shear: Shear,
+    filter: Filter,
+    found: bool,
+}
+
+impl<L: Lanes> Leaves<L> for AnyTriangle<'_> {
+    #[inline(always)]
+    fn announce(&self, block: u32) {
+        L::prefetch(&self.blocks[block as usize]);
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, block: u32, limit: f32, _: &mut Stack) -> Visit {
+        let triangles = &self.blocks[block as usize];
+        let mut lanes = crossed::<L>(triangles, &self.shear);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 7;
+            lanes &= lanes - 1;
+            let Some(hit) = hit(triangles, lane, &self.shear) else { continue };
+            let between = hit.t > hit.error && hit.t < limit - hit.error;
+            if between && admits(self.bvh, self.filter, block, lane) {
+                self.found = true;
+                return Visit::Stop;
+            }
+        }
+        Visit::Continue(limit)
+    }
+}
+
+/// Looks for the nearest triangle in instances.
+struct ClosestInstance<'a> {
+    accel: &'a Accel,
+    ray: &'a Ray,
+    filter: Filter,
+    best: Hit,
+}
+
+impl<L: Lanes> Leaves<L> for ClosestInstance<'_> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, limit: f32, stack: &mut Stack) -> Visit {
+        let placed = &self.accel.placed[leaf as usize];
+        let local = to_object(placed, self.ray, limit);
+        closest_in::<L>(&placed.bvh, &local, self.filter, stack, placed.instance, &mut self.best);
+        Visit::Continue(self.best.t)
+    }
+}
+
+/// Looks for any triangle in instances.
+struct AnyInstance<'a> {
+    accel: &'a Accel,
+    ray: &'a Ray,
+    filter: Filter,
+    found: bool,
+}
+
+impl<L: Lanes> Leaves<L> for AnyInstance<'_> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, limit: f32, stack: &mut Stack) -> Visit {
+        let placed = &self.accel.placed[leaf as usize];
+        self.found = occluded_in::<L>(&placed.bvh, &to_object(placed, self.ray, limit), self.filter, stack);
+        if self.found { Visit::Stop } else { Visit::Continue(limit) }
     }
 }
 
@@ -219,33 +323,17 @@ fn closest_in<L: Lanes>(
     instance: u32,
     best: &mut Hit,
 ) {
-    let shear = Shear::new(ray);
-    walk::<L>(&bvh.tree, ray, stack, |block, _, _| {
-        let triangles = &bvh.blocks[block as usize];
-        intersect::<L>(triangles, &shear, |lane, hit: LaneHit| {
-            let primitive = triangles.primitive[lane];
-            let nearer =
-                hit.t < best.t || hit.t == best.t && (instance, primitive) < (best.instance, best.primitive);
-            if hit.t > hit.error && nearer && admits(bvh, filter, block, lane) {
-                *best = Hit { t: hit.t, b1: hit.b1, b2: hit.b2, instance, primitive };
-            }
-        });
-        Visit::Continue(best.t)
-    });
+    let mut leaves =
+        ClosestTriangle { bvh, blocks: &bvh.blocks, shear: Shear::new(ray), filter, instance, best: *best };
+    walk::<L>(&bvh.tree, ray, stack, &mut leaves);
+    *best = leaves.best;
 }
 
 #[inline(always)]
 fn occluded_in<L: Lanes>(bvh: &Bvh, ray: &Ray, filter: Filter, stack: &mut Stack) -> bool {
-    let shear = Shear::new(ray);
-    let mut found = false;
-    walk::<L>(&bvh.tree, ray, stack, |block, limit, _| {
-        intersect::<L>(&bvh.blocks[block as usize], &shear, |lane, hit: LaneHit| {
-            let between = hit.t > hit.error && hit.t < limit - hit.error;
-            found |= between && admits(bvh, filter, block, lane);
-        });
-        if found { Visit::Stop } else { Visit::Continue(limit) }
-    });
-    found
+    let mut leaves = AnyTriangle { bvh, blocks: &bvh.blocks, shear: Shear::new(ray), filter, found: false };
+    walk::<L>(&bvh.tree, ray, stack, &mut leaves);
+    leaves.found
 }
 
 #[inline(always)]

@@ -1,10 +1,12 @@
 //! Building hierarchies: a binary tree from `obvhs`, collapsed to eight children per node.
 //!
-//! Collapsing opens the child with the largest surface until eight are there (I. Wald, C. Benthin,
-//! S. Boulos, "Getting Rid of Packets", 2008). A subtree of at most eight triangles becomes one block.
+//! The collapse is the one of least expected cost by the surface area heuristic, found bottom-up (H. Ylitie,
+//! T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017,
+//! §3.1): for each subtree the cost of handing 1 to 7 roots to the node above it.
 
 use super::bounds::Bounds;
 use super::bvh::{Bvh, LEAF, Node, Tree};
+use super::table::Table;
 use super::triangle::Block;
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -14,8 +16,10 @@ use std::time::Duration;
 
 /// Triangles of a block.
 const BLOCK: u32 = 8;
-/// A block is split over free lanes of its parent if that takes away this share of its surface.
-const SPLIT_GAIN: f32 = 0.9;
+/// Children of a node.
+const WIDTH: usize = 8;
+/// Cost of testing a block, in units of the cost of testing a node.
+const LEAF_COST: f32 = 1.0;
 
 /// The hierarchy over `count` triangles. `cutout` tells whether a triangle may be cut out.
 pub fn build_triangles(count: u32, triangle: impl Fn(u32) -> [Vec3; 3], cutout: impl Fn(u32) -> bool) -> Bvh {
@@ -37,7 +41,7 @@ pub fn build_triangles(count: u32, triangle: impl Fn(u32) -> [Vec3; 3], cutout: 
         cutouts = Vec::new();
     }
     let bounds = boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one));
-    Bvh { tree, blocks, cutouts, bounds }
+    Bvh { tree, blocks: Table::new(blocks), cutouts, bounds }
 }
 
 /// The hierarchy over boxes; leaf i is box i.
@@ -51,16 +55,10 @@ fn collapse(boxes: &[Bounds], leaf_size: u32, leaf: impl FnMut(&[u32]) -> u32) -
         return Tree::default();
     }
     let binary = build_binary(boxes);
-    let mut collapse = Collapse {
-        counts: subtree_counts(&binary),
-        binary,
-        leaf_size,
-        nodes: Vec::new(),
-        leaf,
-        primitives: Vec::new(),
-    };
+    let costs = Costs::new(&binary, leaf_size);
+    let mut collapse = Collapse { binary, costs, nodes: Vec::new(), leaf, primitives: Vec::new() };
     let need = collapse.node(0);
-    Tree { nodes: collapse.nodes, stack_need: need }
+    Tree { nodes: Table::new(collapse.nodes), stack_need: need }
 }
 
 fn build_binary(boxes: &[Bounds]) -> Bvh2 {
@@ -73,34 +71,93 @@ fn build_binary(boxes: &[Bounds]) -> Bvh2 {
     obvhs::bvh2::builder::build_bvh2(&boxes, params, &mut Duration::default())
 }
 
-/// Number of primitives under each node.
-fn subtree_counts(binary: &Bvh2) -> Vec<u32> {
-    let mut counts = vec![0u32; binary.nodes.len()];
-    // Pre-order by an explicit stack; parents are then summed up in reverse.
-    let mut order = vec![0usize];
-    let mut at = 0;
-    while let Some(&node) = order.get(at) {
-        at += 1;
-        let n = &binary.nodes[node];
-        if n.prim_count == 0 {
-            order.extend([n.first_index as usize, n.first_index as usize + 1]);
+/// What subtrees of the binary tree cost.
+struct Costs {
+    leaf_size: u32,
+    /// Primitives under each node.
+    counts: Vec<u32>,
+    /// By node and i: the least cost of the subtree with at most i + 1 roots.
+    forests: Vec<[f32; WIDTH - 1]>,
+}
+
+impl Costs {
+    fn new(binary: &Bvh2, leaf_size: u32) -> Self {
+        let len = binary.nodes.len();
+        let mut costs = Self { leaf_size, counts: vec![0; len], forests: vec![[0.0; WIDTH - 1]; len] };
+        // Parents before children by an explicit stack, then the other way round.
+        let mut order = vec![0usize];
+        let mut at = 0;
+        while let Some(&node) = order.get(at) {
+            at += 1;
+            let n = &binary.nodes[node];
+            if n.prim_count == 0 {
+                order.extend([n.first_index as usize, n.first_index as usize + 1]);
+            }
         }
+        for &node in order.iter().rev() {
+            costs.add(binary, node);
+        }
+        costs
     }
-    for &node in order.iter().rev() {
+
+    /// Adds a node whose children have been added.
+    fn add(&mut self, binary: &Bvh2, node: usize) {
         let n = &binary.nodes[node];
-        counts[node] = if n.prim_count > 0 {
-            n.prim_count
-        } else {
-            counts[n.first_index as usize] + counts[n.first_index as usize + 1]
-        };
+        let area = bounds_of(binary, node as u32).half_area();
+        if n.prim_count > 0 {
+            self.counts[node] = n.prim_count;
+            self.forests[node] = [area * LEAF_COST; WIDTH - 1];
+            return;
+        }
+        let (left, right) = (n.first_index as usize, n.first_index as usize + 1);
+        self.counts[node] = self.counts[left] + self.counts[right];
+        let mut forest = [0.0; WIDTH - 1];
+        forest[0] = self.inner(left, area);
+        if self.counts[node] <= self.leaf_size {
+            forest[0] = forest[0].min(area * LEAF_COST);
+        }
+        for roots in 2..WIDTH {
+            forest[roots - 1] = forest[roots - 2].min(self.best_split(left, roots).0);
+        }
+        self.forests[node] = forest;
     }
-    counts
+
+    /// Cost of a node of `area` over the subtrees at `left` and `left + 1`.
+    fn inner(&self, left: usize, area: f32) -> f32 {
+        area + self.best_split(left, WIDTH).0
+    }
+
+    /// The least cost of the subtrees at `left` and `left + 1` with `roots` roots together, and how many of
+    /// them the first gets.
+    fn best_split(&self, left: usize, roots: usize) -> (f32, usize) {
+        let mut best = (f32::INFINITY, 1);
+        for first in 1..roots {
+            let cost = self.forests[left][first - 1] + self.forests[left + 1][roots - first - 1];
+            if cost < best.0 {
+                best = (cost, first);
+            }
+        }
+        best
+    }
+
+    /// Whether a single root for the subtree at `node` is a leaf.
+    fn is_leaf(&self, binary: &Bvh2, node: usize) -> bool {
+        let n = &binary.nodes[node];
+        let area = bounds_of(binary, node as u32).half_area();
+        n.prim_count > 0
+            || self.counts[node] <= self.leaf_size
+                && area * LEAF_COST <= self.inner(n.first_index as usize, area)
+    }
+}
+
+fn bounds_of(binary: &Bvh2, node: u32) -> Bounds {
+    let b = &binary.nodes[node as usize].aabb;
+    Bounds { min: Vec3::from(b.min), max: Vec3::from(b.max) }
 }
 
 struct Collapse<F> {
     binary: Bvh2,
-    counts: Vec<u32>,
-    leaf_size: u32,
+    costs: Costs,
     nodes: Vec<Node>,
     leaf: F,
     /// Of the leaf under construction.
@@ -109,55 +166,49 @@ struct Collapse<F> {
 
 impl<F: FnMut(&[u32]) -> u32> Collapse<F> {
     /// Makes the node for the binary subtree at `root`; gives the stack entries that its traversal needs.
-    /// Recursion is as deep as the tree has levels of eight, which the builder keeps logarithmic.
+    /// Recursion is as deep as the tree has levels, which the builder keeps logarithmic.
     fn node(&mut self, root: u32) -> usize {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        let children = self.open(root);
+        let mut children = Vec::with_capacity(WIDTH);
+        let n = &self.binary.nodes[root as usize];
+        if n.prim_count > 0 {
+            children.push(root);
+        } else {
+            self.split(n.first_index, WIDTH, &mut children);
+        }
         let mut need = 0;
         for (lane, &child) in children.iter().enumerate() {
-            let code = if self.counts[child as usize] <= self.leaf_size {
+            let code = if self.costs.is_leaf(&self.binary, child as usize) {
                 LEAF | self.make_leaf(child)
             } else {
                 let code = self.nodes.len() as u32;
                 need = need.max(self.node(child));
                 code
             };
-            let bounds = self.bounds(child);
-            self.nodes[index].set(lane, bounds, code);
+            self.nodes[index].set(lane, bounds_of(&self.binary, child), code);
         }
         need + children.len()
     }
 
-    /// Up to eight subtrees that together are the subtree at `root`.
-    fn open(&self, root: u32) -> Vec<u32> {
-        let mut children = vec![root];
-        while children.len() < 8 {
-            let candidate =
-                (0..children.len()).filter(|&i| self.worth_opening(children[i])).max_by(|&a, &b| {
-                    let (a, b) = (self.urgency(children[a]), self.urgency(children[b]));
-                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-                });
-            let Some(at) = candidate else { break };
-            let first = self.binary.nodes[children[at] as usize].first_index;
-            children[at] = first;
-            children.push(first + 1);
-        }
-        children
+    /// Collects the roots of the cheapest forest of the subtrees at `left` and `left + 1`.
+    fn split(&self, left: u32, roots: usize, into: &mut Vec<u32>) {
+        let (_, first) = self.costs.best_split(left as usize, roots);
+        self.forest(left, first, into);
+        self.forest(left + 1, roots - first, into);
     }
 
-    /// Inner nodes are opened before blocks are split; large ones first.
-    fn urgency(&self, node: u32) -> (bool, f32) {
-        (self.counts[node as usize] > self.leaf_size, self.bounds(node).half_area())
-    }
-
-    fn worth_opening(&self, node: u32) -> bool {
-        let n = &self.binary.nodes[node as usize];
-        if n.prim_count > 0 {
-            return false;
+    /// Collects the roots of the cheapest forest of the subtree at `node`.
+    fn forest(&self, node: u32, mut roots: usize, into: &mut Vec<u32>) {
+        let costs = &self.costs.forests[node as usize];
+        while roots > 1 && costs[roots - 1] == costs[roots - 2] {
+            roots -= 1;
         }
-        let parts = self.bounds(n.first_index).half_area() + self.bounds(n.first_index + 1).half_area();
-        self.counts[node as usize] > self.leaf_size || parts < SPLIT_GAIN * self.bounds(node).half_area()
+        if roots == 1 {
+            into.push(node);
+        } else {
+            self.split(self.binary.nodes[node as usize].first_index, roots, into);
+        }
     }
 
     fn make_leaf(&mut self, root: u32) -> u32 {
@@ -178,10 +229,5 @@ impl<F: FnMut(&[u32]) -> u32> Collapse<F> {
         // The order of lanes decides nothing but should not depend on the builder's threads.
         self.primitives.sort_unstable();
         (self.leaf)(&self.primitives)
-    }
-
-    fn bounds(&self, node: u32) -> Bounds {
-        let b = &self.binary.nodes[node as usize].aabb;
-        Bounds { min: Vec3::from(b.min), max: Vec3::from(b.max) }
     }
 }

@@ -7,7 +7,9 @@
 use super::bounds::Bounds;
 use super::lanes::Lanes;
 use super::ray::Ray;
+use super::table::Table;
 use super::triangle::Block;
+use bytemuck::{Pod, Zeroable};
 
 /// Marks a child as a leaf; the other bits are its index.
 pub const LEAF: u32 = 1 << 31;
@@ -18,12 +20,13 @@ pub const WIDEN: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 /// Eight boxes and what is in them.
 #[repr(C, align(64))]
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Node {
     /// Columns: least x, y, z, then greatest x, y, z. An empty child has its least above its greatest.
     pub planes: [[f32; 8]; 6],
     /// Nodes, or leaves with [`LEAF`] set.
     pub children: [u32; 8],
+    padding: [u32; 8],
 }
 
 impl Node {
@@ -38,6 +41,7 @@ impl Node {
             [f32::NEG_INFINITY; 8],
         ],
         children: [LEAF; 8],
+        padding: [0; 8],
     };
 
     /// Puts a child into a lane.
@@ -51,21 +55,21 @@ impl Node {
 }
 
 /// A hierarchy over leaves that lie elsewhere.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Tree {
     /// The root comes first, children after their parents.
-    pub nodes: Vec<Node>,
+    pub nodes: Table<Node>,
     /// Entries of a traversal stack that suffice.
     pub stack_need: usize,
 }
 
 /// A hierarchy over triangles.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Bvh {
     /// The hierarchy; its leaves are blocks.
     pub tree: Tree,
     /// The triangles.
-    pub blocks: Vec<Block>,
+    pub blocks: Table<Block>,
     /// Lanes of each block whose triangles may be cut out; empty if none is.
     pub cutouts: Vec<u8>,
     /// Around all triangles.
@@ -93,17 +97,21 @@ impl<L: Lanes> BoxRay<L> {
     /// For a ray.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction.to_array();
         // A component of zero has an infinite inverse of the same sign.
-        let inverse = d.map(|d| 1.0 / d);
-        let axes = [0, 1, 2];
-        let negative = inverse.map(|i| i.is_sign_negative());
+        let inverse = 1.0 / ray.direction;
+        let side = |axis: usize, i: f32| if i.is_sign_negative() { axis + 3 } else { axis };
+        let near = [side(0, inverse.x), side(1, inverse.y), side(2, inverse.z)];
         Self {
-            origin: ray.origin.to_array().map(L::splat),
-            inverse: inverse.map(L::splat),
-            near: axes.map(|axis| if negative[axis] { axis + 3 } else { axis }),
-            far: axes.map(|axis| if negative[axis] { axis } else { axis + 3 }),
+            origin: [L::splat(ray.origin.x), L::splat(ray.origin.y), L::splat(ray.origin.z)],
+            inverse: [L::splat(inverse.x), L::splat(inverse.y), L::splat(inverse.z)],
+            near,
+            far: [3 - near[0], 5 - near[1], 7 - near[2]],
         }
+    }
+
+    #[inline(always)]
+    fn distance(&self, node: &Node, plane: usize, axis: usize) -> L {
+        L::load(&node.planes[plane]).sub(self.origin[axis]).mul(self.inverse[axis])
     }
 
     /// The lanes of `node` that the ray meets before `limit`, and where it enters them.
@@ -112,17 +120,13 @@ impl<L: Lanes> BoxRay<L> {
     /// the first operand of `min` and `max`, ignored.
     #[inline(always)]
     pub fn meets(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
-        let distance = |plane: usize, axis: usize| {
-            L::load(&node.planes[plane]).sub(self.origin[axis]).mul(self.inverse[axis])
-        };
-        let enter = L::splat(0.0);
-        let enter = distance(self.near[0], 0).max(enter);
-        let enter = distance(self.near[1], 1).max(enter);
-        let enter = distance(self.near[2], 2).max(enter);
-        let leave = L::splat(limit);
-        let leave = distance(self.far[0], 0).min(leave);
-        let leave = distance(self.far[1], 1).min(leave);
-        let leave = distance(self.far[2], 2).min(leave);
+        let [near, far] = [self.near, self.far];
+        let enter = self.distance(node, near[0], 0).max(L::splat(0.0));
+        let enter = self.distance(node, near[1], 1).max(enter);
+        let enter = self.distance(node, near[2], 2).max(enter);
+        let leave = self.distance(node, far[0], 0).min(L::splat(limit));
+        let leave = self.distance(node, far[1], 1).min(leave);
+        let leave = self.distance(node, far[2], 2).min(leave);
         (enter.le(leave.mul(L::splat(WIDEN))), enter.store())
     }
 }

@@ -27,6 +27,9 @@ pub trait Lanes: Copy {
     fn le(self, other: Self) -> u32;
     /// Bit i is set where lane i of `self` = that of `other`.
     fn equal(self, other: Self) -> u32;
+    /// Hints that `value` will be read soon.
+    #[inline(always)]
+    fn prefetch<T>(_value: &T) {}
 }
 
 /// [`Lanes`] as an array; compilers turn it into whatever the target has.

@@ -14,6 +14,7 @@ pub mod offset;
 pub mod ray;
 #[cfg(target_arch = "x86_64")]
 pub mod simd;
+pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod traverse;

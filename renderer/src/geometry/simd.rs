@@ -84,6 +84,15 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn prefetch<T>(value: &T) {
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for line in (0..size_of::<T>()).step_by(64) {
+            // SAFETY: a hint touches no memory; the address lies in the value.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) };
+        }
+    }
+
+    #[inline(always)]
     fn equal(self, other: Self) -> u32 {
         // SAFETY: the module's invariant; no memory is touched.
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0)) as u32 }

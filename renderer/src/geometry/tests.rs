@@ -4,7 +4,7 @@ use super::accel::{Flat, Placed};
 use super::build::build_triangles;
 use super::lanes::Portable;
 use super::traverse::Filter;
-use super::triangle::{Block, Shear, intersect};
+use super::triangle::{Block, Shear, crossed, hit};
 use super::*;
 use glam::{Affine3A, Quat, Vec3};
 use std::sync::Arc;
@@ -56,8 +56,7 @@ fn sphere(center: Vec3, radius: f32, rings: usize) -> Triangles {
 
 fn flat(triangles: &Triangles) -> Accel {
     let bvh = build_triangles(triangles.len() as u32, |i| triangles[i as usize], |_| false);
-    let instance = vec![0; triangles.len()];
-    Accel::new(Some(Flat { bvh, instance, first: vec![0] }), Vec::new())
+    Accel::new(Some(Flat { bvh, instances: vec![(0, 0)] }), Vec::new())
 }
 
 /// The nearest hit by looking at every triangle.
@@ -67,18 +66,23 @@ fn brute_force(triangles: &Triangles, ray: Ray) -> Hit {
     for (index, &triangle) in triangles.iter().enumerate() {
         let mut block = Block::EMPTY;
         block.set(0, index as u32, triangle);
-        intersect::<Portable>(&block, &shear, |_, hit| {
-            if hit.t > hit.error && hit.t < best.t {
-                best = Hit { t: hit.t, b1: hit.b1, b2: hit.b2, instance: 0, primitive: index as u32 };
-            }
-        });
+        if crossed::<Portable>(&block, &shear) & 1 == 0 {
+            continue;
+        }
+        if let Some(hit) = hit(&block, 0, &shear)
+            && hit.t > hit.error
+            && hit.t < best.t
+        {
+            best = Hit { t: hit.t, b1: hit.b1, b2: hit.b2, instance: 0, primitive: index as u32 };
+        }
     }
     best
 }
 
 fn assert_same_as_brute_force(triangles: &Triangles, rays: impl IntoIterator<Item = Ray>) {
     let fast = flat(triangles);
-    let slow = fast.clone().without_simd();
+    let mut slow = flat(triangles);
+    slow.set_simd(false);
     let mut stack = fast.stack();
     for ray in rays {
         let expected = brute_force(triangles, ray);
@@ -211,8 +215,9 @@ fn instances_hit_like_transformed_triangles() {
         placed.push((Placed { instance, bvh: bvh.clone(), to_object }, to_world));
         world.extend(triangles.iter().map(|t| t.map(|v| to_world.transform_point3(v))));
     }
-    let accel = Accel::new(None, placed);
-    let portable = accel.clone().without_simd();
+    let accel = Accel::new(None, placed.clone());
+    let mut portable = Accel::new(None, placed);
+    portable.set_simd(false);
     let mut stack = accel.stack();
     let mut different = 0;
     for _ in 0..5000 {
@@ -286,7 +291,7 @@ fn filters_separate_cutouts() {
     let quad = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, -1.0, z), Vec3::new(0.0, 1.5, z)];
     let triangles = [quad(1.0), quad(2.0), quad(3.0)];
     let bvh = build_triangles(3, |i| triangles[i as usize], |i| i == 1);
-    let accel = Accel::new(Some(Flat { bvh, instance: vec![0; 3], first: vec![0] }), Vec::new());
+    let accel = Accel::new(Some(Flat { bvh, instances: vec![(0, 0)] }), Vec::new());
     let mut stack = accel.stack();
     let ray = Ray::new(Vec3::ZERO, Vec3::Z);
     assert_eq!(accel.closest(ray, Filter::All, &mut stack).primitive, 0);

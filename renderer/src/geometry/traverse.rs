@@ -1,6 +1,6 @@
 //! The walk through a hierarchy, nearest child first.
 
-use super::bvh::{BoxRay, LEAF, Tree, WIDEN};
+use super::bvh::{BoxRay, LEAF, Node, Tree, WIDEN};
 use super::lanes::Lanes;
 use super::ray::Ray;
 
@@ -29,16 +29,22 @@ pub enum Visit {
     Stop,
 }
 
-/// Visits the leaves that `ray` meets before its limit, roughly from near to far. `leaf` is called with
-/// the index of a leaf, the limit that holds by then, and the stack for hierarchies inside of leaves.
+/// What is done with leaves. (A trait and no closure: closures are not compiled for the instructions that
+/// the traversal around them uses.)
+pub trait Leaves<L> {
+    /// Visits a leaf. `limit` holds by now; the stack is for hierarchies inside of leaves.
+    fn visit(&mut self, leaf: u32, limit: f32, stack: &mut Stack) -> Visit;
+
+    /// Announces a leaf that will be visited, if nothing nearer is found.
+    #[inline(always)]
+    fn announce(&self, _leaf: u32) {}
+}
+
+/// Visits the leaves that `ray` meets before its limit, roughly from near to far.
 #[inline(always)]
-pub fn walk<L: Lanes>(
-    tree: &Tree,
-    ray: &Ray,
-    stack: &mut Stack,
-    mut leaf: impl FnMut(u32, f32, &mut Stack) -> Visit,
-) {
-    if tree.nodes.is_empty() {
+pub fn walk<L: Lanes>(tree: &Tree, ray: &Ray, stack: &mut Stack, leaves: &mut impl Leaves<L>) {
+    let nodes: &[Node] = &tree.nodes;
+    if nodes.is_empty() {
         return;
     }
     let boxes = BoxRay::<L>::new(ray);
@@ -47,7 +53,7 @@ pub fn walk<L: Lanes>(
     let mut current = 0u32;
     loop {
         if current & LEAF != 0 {
-            match leaf(current & !LEAF, limit, stack) {
+            match leaves.visit(current & !LEAF, limit, stack) {
                 Visit::Continue(next) => limit = next,
                 Visit::Stop => {
                     stack.entries.truncate(bottom);
@@ -55,7 +61,7 @@ pub fn walk<L: Lanes>(
                 }
             }
         } else {
-            let node = &tree.nodes[current as usize];
+            let node = &nodes[current as usize];
             let (mut lanes, enter) = boxes.meets(node, limit);
             if lanes != 0 {
                 let first = lanes.trailing_zeros() as usize;
@@ -64,7 +70,15 @@ pub fn walk<L: Lanes>(
                 if lanes == 0 {
                     continue;
                 }
-                current = push_farther(stack, (enter[first], current), lanes, &enter, &node.children);
+                current = push_farther::<L>(
+                    nodes,
+                    leaves,
+                    stack,
+                    (enter[first], current),
+                    lanes,
+                    &enter,
+                    &node.children,
+                );
                 continue;
             }
         }
@@ -83,7 +97,9 @@ pub fn walk<L: Lanes>(
 
 /// Pushes the children in `lanes` and `first`, but for the nearest, the farthest first; gives the nearest.
 #[inline(always)]
-fn push_farther(
+fn push_farther<L: Lanes>(
+    nodes: &[Node],
+    leaves: &impl Leaves<L>,
     stack: &mut Stack,
     first: (f32, u32),
     mut lanes: u32,
@@ -100,6 +116,11 @@ fn push_farther(
             std::mem::swap(&mut entry, &mut nearest);
         }
         // Insertion into the run that was pushed here, sorted from far to near.
+        if entry.1 & LEAF == 0 {
+            L::prefetch(&nodes[entry.1 as usize]);
+        } else {
+            leaves.announce(entry.1 & !LEAF);
+        }
         stack.entries.push(entry);
         let mut at = stack.entries.len() - 1;
         while at > start && stack.entries[at - 1].0 < entry.0 {

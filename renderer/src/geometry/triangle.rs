@@ -14,11 +14,12 @@
 
 use super::lanes::Lanes;
 use super::ray::Ray;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Up to eight triangles in columns.
 #[repr(C, align(32))]
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Block {
     /// By vertex, axis and lane. Lanes without a triangle hold NaN.
     pub vertices: [[[f32; 8]; 3]; 3],
@@ -78,7 +79,7 @@ impl Shear {
     }
 }
 
-/// What a lane of a block gave.
+/// Where a ray meets the triangle of a lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneHit {
     /// Position along the ray.
@@ -91,86 +92,80 @@ pub struct LaneHit {
     pub error: f32,
 }
 
-/// The columns of a block in the ray's own coordinates, and its edge functions.
+/// The columns of a block in the ray's own coordinates.
 struct Sheared<L> {
     x: [L; 3],
     y: [L; 3],
-    /// Weights of the vertices, not normalised.
-    edges: [L; 3],
 }
 
 impl<L: Lanes> Sheared<L> {
+    // Vectors of lanes never pass through a closure: it would not be compiled for their instructions.
     #[inline(always)]
     fn new(block: &Block, ray: &Shear) -> Self {
-        let [kx, ky, kz] = ray.axes;
-        let [ox, oy, oz] = ray.origin.map(L::splat);
-        let [sx, sy] = ray.shear.map(L::splat);
-        let v = &block.vertices;
-        let z = [0, 1, 2].map(|i| L::load(&v[i][kz]).sub(oz));
-        let x = [0, 1, 2].map(|i| L::load(&v[i][kx]).sub(ox).sub(sx.mul(z[i])));
-        let y = [0, 1, 2].map(|i| L::load(&v[i][ky]).sub(oy).sub(sy.mul(z[i])));
-        let edge = |a: usize, b: usize| x[a].mul(y[b]).sub(y[a].mul(x[b]));
-        Self { edges: [edge(2, 1), edge(0, 2), edge(1, 0)], x, y }
+        let a = Self::vertex(block, 0, ray);
+        let b = Self::vertex(block, 1, ray);
+        let c = Self::vertex(block, 2, ray);
+        Self { x: [a.0, b.0, c.0], y: [a.1, b.1, c.1] }
     }
 
-    /// Lanes whose edge functions do not differ in sign.
     #[inline(always)]
-    fn inside(&self) -> u32 {
-        let zero = L::splat(0.0);
-        let [u, v, w] = self.edges;
-        let least = u.min(v).min(w);
-        let greatest = u.max(v).max(w);
-        // A lane without a triangle is NaN throughout.
-        zero.le(least) | greatest.le(zero)
+    fn vertex(block: &Block, index: usize, ray: &Shear) -> (L, L) {
+        let v = &block.vertices[index];
+        let z = L::load(&v[ray.axes[2]]).sub(L::splat(ray.origin[2]));
+        let x = L::load(&v[ray.axes[0]]).sub(L::splat(ray.origin[0]));
+        let y = L::load(&v[ray.axes[1]]).sub(L::splat(ray.origin[1]));
+        (x.sub(L::splat(ray.shear[0]).mul(z)), y.sub(L::splat(ray.shear[1]).mul(z)))
     }
 
-    /// Lanes with an edge function that rounding may have made zero.
+    /// Twice the area between the ray and the edge from vertex `b` to vertex `a`, signed.
     #[inline(always)]
-    fn uncertain(&self) -> u32 {
-        let zero = L::splat(0.0);
-        zero.equal(self.edges[0]) | zero.equal(self.edges[1]) | zero.equal(self.edges[2])
+    fn edge(&self, a: usize, b: usize) -> L {
+        self.x[a].mul(self.y[b]).sub(self.y[a].mul(self.x[b]))
     }
+}
 
-    /// Whether the edge functions of a lane have one sign when computed exactly.
-    #[cold]
-    fn exactly_inside(&self, lane: usize) -> bool {
-        let x = self.x.map(|column| f64::from(column.store()[lane]));
-        let y = self.y.map(|column| f64::from(column.store()[lane]));
+/// The lanes of `block` that the ray's line passes through, whatever the distance.
+#[inline(always)]
+pub fn crossed<L: Lanes>(block: &Block, ray: &Shear) -> u32 {
+    let sheared = Sheared::<L>::new(block, ray);
+    let (u, v, w) = (sheared.edge(2, 1), sheared.edge(0, 2), sheared.edge(1, 0));
+    let zero = L::splat(0.0);
+    // Edge functions that do not differ in sign. A lane without a triangle is NaN throughout.
+    let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+    if inside == 0 {
+        return 0;
+    }
+    let uncertain = zero.equal(u) | zero.equal(v) | zero.equal(w);
+    if inside & uncertain == 0 {
+        return inside;
+    }
+    let [x0, x1, x2] = sheared.x;
+    let [y0, y1, y2] = sheared.y;
+    exactly_crossed(inside, [x0.store(), x1.store(), x2.store()], [y0.store(), y1.store(), y2.store()])
+}
+
+/// Of `lanes` those whose edge functions have one sign when computed exactly.
+#[cold]
+fn exactly_crossed(lanes: u32, x: [[f32; 8]; 3], y: [[f32; 8]; 3]) -> u32 {
+    let mut result = 0;
+    for lane in (0..8).filter(|lane| lanes >> lane & 1 == 1) {
+        let (x, y) = (x.map(|c| f64::from(c[lane])), y.map(|c| f64::from(c[lane])));
         let edge = |a: usize, b: usize| x[a] * y[b] - y[a] * x[b];
         let edges = [edge(2, 1), edge(0, 2), edge(1, 0)];
-        edges.iter().all(|&e| e >= 0.0) || edges.iter().all(|&e| e <= 0.0)
+        let same = edges.iter().all(|&e| e >= 0.0) || edges.iter().all(|&e| e <= 0.0);
+        result |= u32::from(same) << lane;
     }
+    result
 }
 
-/// Tests `block` and calls `found` with the lanes that the ray passes through, in order, whatever their
-/// distance.
-#[inline(always)]
-pub fn intersect<L: Lanes>(block: &Block, ray: &Shear, mut found: impl FnMut(usize, LaneHit)) {
-    let sheared = Sheared::<L>::new(block, ray);
-    let mut lanes = sheared.inside();
-    if lanes == 0 {
-        return;
-    }
-    let uncertain = sheared.uncertain();
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize & 7;
-        lanes &= lanes - 1;
-        if uncertain >> lane & 1 == 1 && !sheared.exactly_inside(lane) {
-            continue;
-        }
-        if let Some(hit) = finish(block, lane, ray) {
-            found(lane, hit);
-        }
-    }
-}
-
-/// Distance, weights and the error of the distance, in double precision.
+/// Distance, weights and the error of the distance for a lane that is crossed, in double precision; none
+/// if the triangle is seen edge-on.
 ///
 /// Everything is multiplied by the direction's z: x' = x·dz − dx·z, so that one division is enough. The
 /// bound: with all coordinates at most m, an edge function is off by no more than 40·u·m², the sum of the
 /// three products with z by 138·u·m³, u = 2⁻⁵³; 138·u < 2⁻⁴⁵.
 #[inline(always)]
-fn finish(block: &Block, lane: usize, ray: &Shear) -> Option<LaneHit> {
+pub fn hit(block: &Block, lane: usize, ray: &Shear) -> Option<LaneHit> {
     const BOUND: f64 = 1.0 / (1u64 << 45) as f64;
     let [kx, ky, kz] = ray.axes;
     let [ox, oy, oz] = ray.origin.map(f64::from);

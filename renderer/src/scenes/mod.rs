@@ -1,0 +1,3 @@
+//! Scenes made in code.
+
+pub mod shapes;
