@@ -1,4 +1,6 @@
 //! Scenes, light transport, and pictures.
 
 pub mod geometry;
+pub mod sampler;
 pub mod scenes;
+pub mod vector;
