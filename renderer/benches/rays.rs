@@ -35,8 +35,8 @@ fn mesh() -> &'static (Vec<Vec3>, Vec<[u32; 3]>) {
 fn build() -> Accel {
     let (positions, triangles) = mesh();
     let corner = |i: u32| triangles[i as usize].map(|v| positions[v as usize]);
-    let bvh = build_triangles(triangles.len() as u32, corner, |_| false);
-    Accel::new(Some(Flat { bvh, instances: vec![(0, 0)] }), Vec::new())
+    let bvh = build_triangles(triangles.len() as u32, corner);
+    Accel::new(Some(Flat::new(bvh, vec![(0, 0)])), Vec::new())
 }
 
 fn accel() -> &'static Accel {

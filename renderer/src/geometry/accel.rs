@@ -7,23 +7,33 @@ use super::bvh::{Bvh, Tree};
 use super::lanes::{Lanes, Portable};
 use super::offset::gamma;
 use super::ray::{Hit, HitBatch, Ray, RayBatch};
+use super::search::{AnyInstance, ClosestInstance, Seen, closest_in, occluded_in};
 #[cfg(target_arch = "x86_64")]
 use super::simd;
-use super::traverse::{Filter, Leaves, Stack, Visit, walk};
-use super::triangle::{Block, Shear, crossed, hit};
+use super::traverse::{Filter, Stack, walk};
+use super::triangle::Block;
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
+/// Lanes of each block of a hierarchy whose triangles may be cut out; empty if none is.
+type Cutouts = Arc<[u8]>;
+
 /// Triangles in world space, of any number of instances.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Flat {
-    /// The hierarchy; primitives count through all instances.
-    pub bvh: Bvh,
+    bvh: Arc<Bvh>,
+    cutouts: Cutouts,
     /// First primitive and index of each instance, in order.
-    pub instances: Vec<(u32, u32)>,
+    instances: Vec<(u32, u32)>,
 }
 
 impl Flat {
+    /// Triangles of which those of each instance follow each other: its first triangle and its index are in
+    /// `instances`, in order.
+    pub fn new(bvh: Bvh, instances: Vec<(u32, u32)>) -> Self {
+        Self { bvh: Arc::new(bvh), cutouts: Arc::default(), instances }
+    }
+
     /// Instance of a primitive, and its index in the instance's mesh.
     #[inline(always)]
     fn locate(&self, primitive: u32) -> (u32, u32) {
@@ -32,6 +42,11 @@ impl Flat {
         let (first, instance) = self.instances[after - 1];
         (instance, primitive - first)
     }
+
+    #[inline(always)]
+    fn seen(&self, filter: Filter) -> Seen<'_> {
+        Seen { bvh: &self.bvh, cutouts: &self.cutouts, filter }
+    }
 }
 
 /// A mesh in its place.
@@ -39,32 +54,74 @@ impl Flat {
 pub struct Placed {
     /// Index of the instance.
     pub instance: u32,
-    /// The mesh.
-    pub bvh: Arc<Bvh>,
-    /// World to object space.
-    pub to_object: Affine3A,
+    bvh: Arc<Bvh>,
+    cutouts: Cutouts,
+    to_object: Affine3A,
+    bounds: Bounds,
+}
+
+impl Placed {
+    /// The mesh of an instance with the transforms from object to world space and back.
+    pub fn new(instance: u32, bvh: Arc<Bvh>, to_world: &Affine3A, to_object: Affine3A) -> Self {
+        let bounds = world_box(bvh.bounds, to_world);
+        Self { instance, bvh, cutouts: Arc::default(), to_object, bounds }
+    }
+
+    /// The mesh as a ray sees it.
+    #[inline(always)]
+    pub(super) fn seen(&self, filter: Filter) -> Seen<'_> {
+        Seen { bvh: &self.bvh, cutouts: &self.cutouts, filter }
+    }
+
+    /// The ray in the mesh's space; positions along it are the same.
+    #[inline(always)]
+    pub(super) fn to_object(&self, ray: &Ray, limit: f32) -> Ray {
+        Ray {
+            origin: self.to_object.transform_point3(ray.origin),
+            direction: self.to_object.transform_vector3(ray.direction),
+            limit,
+        }
+    }
 }
 
 /// What rays are traced against.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Accel {
     flat: Option<Flat>,
-    placed: Vec<Placed>,
-    top: Tree,
+    pub(super) placed: Vec<Placed>,
+    top: Arc<Tree>,
     bounds: Option<Bounds>,
     simd: bool,
 }
 
 impl Accel {
-    /// For triangles in world space and instances with the transform of each from object to world space.
-    pub fn new(flat: Option<Flat>, placed: Vec<(Placed, Affine3A)>) -> Self {
-        let boxes: Vec<Bounds> =
-            placed.iter().map(|(p, to_world)| world_box(p.bvh.bounds, to_world)).collect();
-        let top = build_boxes(&boxes);
+    /// For triangles in world space and meshes in their places.
+    pub fn new(flat: Option<Flat>, placed: Vec<Placed>) -> Self {
+        let boxes: Vec<Bounds> = placed.iter().map(|p| p.bounds).collect();
         let all = boxes.iter().chain(flat.as_ref().map(|f| &f.bvh.bounds));
         let bounds = all.fold(Bounds::EMPTY, |all, &one| all.union(one));
-        let placed = placed.into_iter().map(|(p, _)| p).collect();
-        Self { flat, placed, top, bounds: (!bounds.is_empty()).then_some(bounds), simd: simd_available() }
+        Self {
+            flat,
+            placed,
+            top: Arc::new(build_boxes(&boxes)),
+            bounds: (!bounds.is_empty()).then_some(bounds),
+            simd: simd_available(),
+        }
+    }
+
+    /// The same geometry, where `may_be_cut(instance, primitive)` says what [`Filter`] tells apart.
+    pub fn with_cutouts(&self, may_be_cut: impl Fn(u32, u32) -> bool) -> Self {
+        let mut result = self.clone();
+        if let Some(flat) = &mut result.flat {
+            flat.cutouts = cutouts(&flat.bvh, |primitive| {
+                let (instance, primitive) = flat.locate(primitive);
+                may_be_cut(instance, primitive)
+            });
+        }
+        for placed in &mut result.placed {
+            placed.cutouts = cutouts(&placed.bvh, |primitive| may_be_cut(placed.instance, primitive));
+        }
+        result
     }
 
     /// Around everything; none if there is nothing.
@@ -171,7 +228,7 @@ impl Accel {
     pub(super) fn closest_with<L: Lanes>(&self, ray: Ray, filter: Filter, stack: &mut Stack) -> Hit {
         let mut best = Hit::none(ray.limit);
         if let Some(flat) = &self.flat {
-            closest_in::<L>(&flat.bvh, &ray, filter, stack, 0, &mut best);
+            closest_in::<L>(flat.seen(filter), &ray, stack, 0, &mut best);
             if best.is_some() {
                 (best.instance, best.primitive) = flat.locate(best.primitive);
             }
@@ -189,7 +246,7 @@ impl Accel {
     #[inline(always)]
     pub(super) fn occluded_with<L: Lanes>(&self, ray: Ray, filter: Filter, stack: &mut Stack) -> bool {
         if let Some(flat) = &self.flat
-            && occluded_in::<L>(&flat.bvh, &ray, filter, stack)
+            && occluded_in::<L>(flat.seen(filter), &ray, stack)
         {
             return true;
         }
@@ -201,148 +258,14 @@ impl Accel {
     }
 }
 
-/// Looks for the nearest of the triangles in blocks.
-struct ClosestTriangle<'a> {
-    bvh: &'a Bvh,
-    blocks: &'a [Block],
-    shear: Shear,
-    filter: Filter,
-    instance: u32,
-    best: Hit,
-}
-
-impl<L: Lanes> Leaves<L> for ClosestTriangle<'_> {
-    #[inline(always)]
-    fn announce(&self, block: u32) {
-        L::prefetch(&self.blocks[block as usize]);
-    }
-
-    #[inline(always)]
-    fn visit(&mut self, block: u32, _: f32, _: &mut Stack) -> Visit {
-        let triangles = &self.blocks[block as usize];
-        let mut lanes = crossed::<L>(triangles, &self.shear);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & 7;
-            lanes &= lanes - 1;
-            let Some(hit) = hit(triangles, lane, &self.shear) else { continue };
-            let id = (self.instance, triangles.primitive[lane]);
-            let best = &self.best;
-            let nearer = hit.t < best.t || hit.t == best.t && id < (best.instance, best.primitive);
-            if hit.t > hit.error && nearer && admits(self.bvh, self.filter, block, lane) {
-                self.best = Hit { t: hit.t, b1: hit.b1, b2: hit.b2, instance: id.0, primitive: id.1 };
-            }
-        }
-        Visit::Continue(self.best.t)
-    }
-}
-
-/// Looks for any triangle in blocks.
-struct AnyTriangle<'a> {
-    bvh: &'a Bvh,
-    blocks: &'a [Block],
-    shear: Shear,
-    filter: Filter,
-    found: bool,
-}
-
-impl<L: Lanes> Leaves<L> for AnyTriangle<'_> {
-    #[inline(always)]
-    fn announce(&self, block: u32) {
-        L::prefetch(&self.blocks[block as usize]);
-    }
-
-    #[inline(always)]
-    fn visit(&mut self, block: u32, limit: f32, _: &mut Stack) -> Visit {
-        let triangles = &self.blocks[block as usize];
-        let mut lanes = crossed::<L>(triangles, &self.shear);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & 7;
-            lanes &= lanes - 1;
-            let Some(hit) = hit(triangles, lane, &self.shear) else { continue };
-            let between = hit.t > hit.error && hit.t < limit - hit.error;
-            if between && admits(self.bvh, self.filter, block, lane) {
-                self.found = true;
-                return Visit::Stop;
-            }
-        }
-        Visit::Continue(limit)
-    }
-}
-
-/// Looks for the nearest triangle in instances.
-struct ClosestInstance<'a> {
-    accel: &'a Accel,
-    ray: &'a Ray,
-    filter: Filter,
-    best: Hit,
-}
-
-impl<L: Lanes> Leaves<L> for ClosestInstance<'_> {
-    #[inline(always)]
-    fn visit(&mut self, leaf: u32, limit: f32, stack: &mut Stack) -> Visit {
-        let placed = &self.accel.placed[leaf as usize];
-        let local = to_object(placed, self.ray, limit);
-        closest_in::<L>(&placed.bvh, &local, self.filter, stack, placed.instance, &mut self.best);
-        Visit::Continue(self.best.t)
-    }
-}
-
-/// Looks for any triangle in instances.
-struct AnyInstance<'a> {
-    accel: &'a Accel,
-    ray: &'a Ray,
-    filter: Filter,
-    found: bool,
-}
-
-impl<L: Lanes> Leaves<L> for AnyInstance<'_> {
-    #[inline(always)]
-    fn visit(&mut self, leaf: u32, limit: f32, stack: &mut Stack) -> Visit {
-        let placed = &self.accel.placed[leaf as usize];
-        self.found = occluded_in::<L>(&placed.bvh, &to_object(placed, self.ray, limit), self.filter, stack);
-        if self.found { Visit::Stop } else { Visit::Continue(limit) }
-    }
-}
-
-/// Whether a lane belongs to what `filter` lets a ray see.
-#[inline(always)]
-fn admits(bvh: &Bvh, filter: Filter, block: u32, lane: usize) -> bool {
-    match filter {
-        Filter::All => true,
-        Filter::Solid => bvh.cutouts.is_empty() || bvh.cutouts[block as usize] >> lane & 1 == 0,
-        Filter::Cutout => !bvh.cutouts.is_empty() && bvh.cutouts[block as usize] >> lane & 1 == 1,
-    }
-}
-
-#[inline(always)]
-fn closest_in<L: Lanes>(
-    bvh: &Bvh,
-    ray: &Ray,
-    filter: Filter,
-    stack: &mut Stack,
-    instance: u32,
-    best: &mut Hit,
-) {
-    let mut leaves =
-        ClosestTriangle { bvh, blocks: &bvh.blocks, shear: Shear::new(ray), filter, instance, best: *best };
-    walk::<L>(&bvh.tree, ray, stack, &mut leaves);
-    *best = leaves.best;
-}
-
-#[inline(always)]
-fn occluded_in<L: Lanes>(bvh: &Bvh, ray: &Ray, filter: Filter, stack: &mut Stack) -> bool {
-    let mut leaves = AnyTriangle { bvh, blocks: &bvh.blocks, shear: Shear::new(ray), filter, found: false };
-    walk::<L>(&bvh.tree, ray, stack, &mut leaves);
-    leaves.found
-}
-
-#[inline(always)]
-fn to_object(placed: &Placed, ray: &Ray, limit: f32) -> Ray {
-    Ray {
-        origin: placed.to_object.transform_point3(ray.origin),
-        direction: placed.to_object.transform_vector3(ray.direction),
-        limit,
-    }
+/// The lanes of each block whose primitives `cut` names.
+fn cutouts(bvh: &Bvh, cut: impl Fn(u32) -> bool) -> Cutouts {
+    let block = |block: &Block| {
+        let lanes = block.primitive.iter().enumerate();
+        lanes.fold(0u8, |mask, (lane, &p)| mask | u8::from(p != u32::MAX && cut(p)) << lane)
+    };
+    let masks: Vec<u8> = bvh.blocks.iter().map(block).collect();
+    if masks.iter().all(|&mask| mask == 0) { Arc::default() } else { masks.into() }
 }
 
 /// Around a box after a transform, rounding included.

@@ -21,27 +21,20 @@ const WIDTH: usize = 8;
 /// Cost of testing a block, in units of the cost of testing a node.
 const LEAF_COST: f32 = 1.0;
 
-/// The hierarchy over `count` triangles. `cutout` tells whether a triangle may be cut out.
-pub fn build_triangles(count: u32, triangle: impl Fn(u32) -> [Vec3; 3], cutout: impl Fn(u32) -> bool) -> Bvh {
+/// The hierarchy over `count` triangles.
+pub fn build_triangles(count: u32, triangle: impl Fn(u32) -> [Vec3; 3]) -> Bvh {
     let boxes: Vec<Bounds> = (0..count).map(|i| Bounds::of(triangle(i))).collect();
     let mut blocks = Vec::new();
-    let mut cutouts = Vec::new();
     let tree = collapse(&boxes, BLOCK, |primitives| {
         let mut block = Block::EMPTY;
-        let mut mask = 0u8;
         for (lane, &primitive) in primitives.iter().enumerate() {
             block.set(lane, primitive, triangle(primitive));
-            mask |= u8::from(cutout(primitive)) << lane;
         }
         blocks.push(block);
-        cutouts.push(mask);
         blocks.len() as u32 - 1
     });
-    if cutouts.iter().all(|&mask| mask == 0) {
-        cutouts = Vec::new();
-    }
     let bounds = boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one));
-    Bvh { tree, blocks: Table::new(blocks), cutouts, bounds }
+    Bvh { tree, blocks: Table::new(blocks), bounds }
 }
 
 /// The hierarchy over boxes; leaf i is box i.

@@ -70,8 +70,6 @@ pub struct Bvh {
     pub tree: Tree,
     /// The triangles.
     pub blocks: Table<Block>,
-    /// Lanes of each block whose triangles may be cut out; empty if none is.
-    pub cutouts: Vec<u8>,
     /// Around all triangles.
     pub bounds: Bounds,
 }
@@ -79,7 +77,7 @@ pub struct Bvh {
 impl Bvh {
     /// Size in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.tree.nodes[..]) + size_of_val(&self.blocks[..]) + self.cutouts.len()
+        size_of_val(&self.tree.nodes[..]) + size_of_val(&self.blocks[..])
     }
 }
 

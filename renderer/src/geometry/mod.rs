@@ -12,6 +12,7 @@ pub mod bvh;
 pub mod lanes;
 pub mod offset;
 pub mod ray;
+pub mod search;
 #[cfg(target_arch = "x86_64")]
 pub mod simd;
 pub mod table;

@@ -55,8 +55,8 @@ fn sphere(center: Vec3, radius: f32, rings: usize) -> Triangles {
 }
 
 fn flat(triangles: &Triangles) -> Accel {
-    let bvh = build_triangles(triangles.len() as u32, |i| triangles[i as usize], |_| false);
-    Accel::new(Some(Flat { bvh, instances: vec![(0, 0)] }), Vec::new())
+    let bvh = build_triangles(triangles.len() as u32, |i| triangles[i as usize]);
+    Accel::new(Some(Flat::new(bvh, vec![(0, 0)])), Vec::new())
 }
 
 /// The nearest hit by looking at every triangle.
@@ -204,7 +204,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
 fn instances_hit_like_transformed_triangles() {
     let mut random = Random(5);
     let triangles = soup(200, 0.2, &mut random);
-    let bvh = Arc::new(build_triangles(200, |i| triangles[i as usize], |_| false));
+    let bvh = Arc::new(build_triangles(200, |i| triangles[i as usize]));
     let mut placed = Vec::new();
     let mut world = Triangles::new();
     for instance in 0..20 {
@@ -212,7 +212,7 @@ fn instances_hit_like_transformed_triangles() {
         let turn = Quat::from_rotation_y(random.unit() * 6.0) * Quat::from_rotation_x(random.unit());
         let to_world = Affine3A::from_scale_rotation_translation(scale, turn, random.vector() * 5.0);
         let to_object = to_world.inverse();
-        placed.push((Placed { instance, bvh: bvh.clone(), to_object }, to_world));
+        placed.push(Placed::new(instance, bvh.clone(), &to_world, to_object));
         world.extend(triangles.iter().map(|t| t.map(|v| to_world.transform_point3(v))));
     }
     let accel = Accel::new(None, placed.clone());
@@ -290,8 +290,9 @@ fn equal_distances_are_decided_by_index_in_every_layout() {
 fn filters_separate_cutouts() {
     let quad = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, -1.0, z), Vec3::new(0.0, 1.5, z)];
     let triangles = [quad(1.0), quad(2.0), quad(3.0)];
-    let bvh = build_triangles(3, |i| triangles[i as usize], |i| i == 1);
-    let accel = Accel::new(Some(Flat { bvh, instances: vec![(0, 0)] }), Vec::new());
+    let bvh = build_triangles(3, |i| triangles[i as usize]);
+    let accel = Accel::new(Some(Flat::new(bvh, vec![(0, 0)])), Vec::new())
+        .with_cutouts(|_, primitive| primitive == 1);
     let mut stack = accel.stack();
     let ray = Ray::new(Vec3::ZERO, Vec3::Z);
     assert_eq!(accel.closest(ray, Filter::All, &mut stack).primitive, 0);
