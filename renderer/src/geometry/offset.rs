@@ -49,9 +49,13 @@ impl BoundedPoint {
     /// the ray goes to, by no less than the error of the position.
     #[inline(always)]
     pub fn leave(self, normal: Vec3, direction: Vec3) -> Vec3 {
-        let distance = normal.abs().dot(self.error);
-        let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
-        let offset = side * distance;
+        self.leave_to(if direction.dot(normal) < 0.0 { -normal } else { normal })
+    }
+
+    /// Where a ray starts that leaves the surface to the side of the unit normal `side`.
+    #[inline(always)]
+    pub fn leave_to(self, side: Vec3) -> Vec3 {
+        let offset = side * side.abs().dot(self.error);
         let moved = self.position + offset;
         // The sum is rounded: one step further away from the surface.
         Vec3::new(step_away(moved.x, offset.x), step_away(moved.y, offset.y), step_away(moved.z, offset.z))

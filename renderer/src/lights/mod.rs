@@ -14,7 +14,146 @@ pub use alias::AliasTable;
 pub use environment::EnvironmentLight;
 pub use triangles::{LightTriangle, TriangleLights};
 
+use crate::geometry::offset::BoundedPoint;
+use crate::scene::Surface;
+use crate::shading::{EmissionQuery, Shading};
 use glam::Vec3;
+
+/// All lights of a scene, ready to be sampled.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    /// Emissive triangles.
+    pub triangles: Option<TriangleLights>,
+    /// The environment.
+    pub environment: Option<EnvironmentLight>,
+    /// Probability of choosing the environment.
+    environment_share: f32,
+}
+
+/// A sample of a light, seen from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit vector towards the light.
+    pub direction: Vec3,
+    /// Density per solid angle, positive.
+    pub pdf: f32,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Where a light sample comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// From infinitely far away, with a radiance.
+    Far(Vec3),
+    /// From a surface with a material.
+    Surface {
+        /// Its material slot.
+        slot: u32,
+        /// Where to ask for the emission.
+        query: EmissionQuery,
+        /// Its distance.
+        distance: f32,
+    },
+}
+
+impl Lights {
+    /// Puts lights together. The environment's share of samples is one half if there are both kinds.
+    pub fn new(triangles: Option<TriangleLights>, environment: Option<EnvironmentLight>) -> Self {
+        let samplable = environment.as_ref().is_some_and(EnvironmentLight::is_samplable);
+        let environment_share = match (&triangles, samplable) {
+            (Some(_), true) => 0.5,
+            (None, true) => 1.0,
+            (_, false) => 0.0,
+        };
+        Self { triangles, environment, environment_share }
+    }
+
+    /// Whether there is a light that can be sampled.
+    pub fn any(&self) -> bool {
+        self.triangles.is_some() || self.environment_share > 0.0
+    }
+
+    /// Number of lights that a choice is made among.
+    pub fn count(&self) -> usize {
+        self.triangles.as_ref().map_or(0, TriangleLights::len) + usize::from(self.environment_share > 0.0)
+    }
+
+    /// Density of sampling a direction to the environment.
+    #[inline]
+    pub fn pdf_environment(&self, direction: Vec3) -> f32 {
+        match &self.environment {
+            Some(environment) if self.environment_share > 0.0 => {
+                self.environment_share * environment.pdf(direction)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Density of sampling the point of light `light` that lies at `distance` and is seen at the cosine
+    /// `cosine` from its geometric normal.
+    #[inline]
+    pub fn pdf_triangle(&self, light: u32, distance: f32, cosine: f32) -> f32 {
+        match &self.triangles {
+            Some(triangles) if cosine > 0.0 => {
+                (1.0 - self.environment_share) * triangles.pdf_area(light) * distance * distance / cosine
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// A light as seen from `point`: `choice` in [0, 1) chooses, `u` in [0, 1)² places. None where the light
+    /// cannot be seen from there.
+    #[inline]
+    pub fn sample(
+        &self,
+        shading: &Shading<'_>,
+        point: &BoundedPoint,
+        choice: f64,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let share = f64::from(self.environment_share);
+        if choice < share {
+            let sample = self.environment.as_ref()?.sample(u)?;
+            return Some(LightSample {
+                direction: sample.direction,
+                pdf: self.environment_share * sample.pdf,
+                source: Source::Far(sample.radiance),
+            });
+        }
+        let triangles = self.triangles.as_ref()?;
+        let place = triangles.sample((choice - share) / (1.0 - share), u);
+        let light = triangles.light(place.light);
+        let surface = shading.scene.surface_at(light.instance, light.primitive, place.b[0], place.b[1]);
+        let to = surface.point.position - point.position;
+        let square = to.length_squared();
+        let distance = square.sqrt();
+        let direction = to * (1.0 / distance);
+        let cosine = -surface.geometry_normal.dot(direction);
+        // Seen edge-on, at no distance, or from the dark side.
+        let back = cosine < 0.0;
+        if !(square > 0.0 && cosine != 0.0) || shading.shaders[light.slot as usize].emitter(back).is_none() {
+            return None;
+        }
+        let pdf = (1.0 - self.environment_share) * place.pdf_area * square / cosine.abs();
+        let query = EmissionQuery { surface, toward: -direction, scale: light.scale };
+        pdf.is_finite().then_some(LightSample {
+            direction,
+            pdf,
+            source: Source::Surface { slot: light.slot, query, distance },
+        })
+    }
+
+    /// The light that a surface belongs to, and its scale; none if it does not emit.
+    #[inline]
+    pub fn at(&self, surface: &Surface) -> Option<(u32, f32)> {
+        let triangles = self.triangles.as_ref()?;
+        match triangles.find(surface.instance, surface.primitive) {
+            triangles::NO_LIGHT => None,
+            light => Some((light, triangles.light(light).scale)),
+        }
+    }
+}
 
 /// Luminance of linear Rec. 709 colours: the weight of a colour where one number is needed.
 #[inline]

@@ -117,6 +117,11 @@ impl Geometry {
         }
     }
 
+    /// Whether triangles belong to different groups.
+    pub fn has_groups(&self) -> bool {
+        !self.groups.is_empty()
+    }
+
     /// Group of a triangle.
     #[inline]
     pub fn group(&self, primitive: u32) -> u32 {

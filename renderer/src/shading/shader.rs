@@ -88,6 +88,12 @@ impl Shader {
         }
     }
 
+    /// Whether the back is another face than the front.
+    #[inline]
+    pub fn has_back(&self) -> bool {
+        self.back.is_some()
+    }
+
     /// What emits on a side: the back of a solid does not.
     #[inline]
     pub fn emitter(&self, back: bool) -> Option<&Emitter> {
