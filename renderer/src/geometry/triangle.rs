@@ -14,6 +14,7 @@
 
 use super::lanes::Lanes;
 use super::ray::Ray;
+use crate::vector::map3;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -68,12 +69,14 @@ impl Shear {
             2
         };
         let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let d = axes.map(|axis| ray.direction[axis]);
+        let direction = ray.direction.to_array();
+        let origin = ray.origin.to_array();
+        let d = map3(axes, |axis| direction[axis]);
         let inverse = 1.0 / d[2];
         Self {
             axes,
             shear: [d[0] * inverse, d[1] * inverse],
-            origin: axes.map(|axis| ray.origin[axis]),
+            origin: map3(axes, |axis| origin[axis]),
             direction: d,
         }
     }
@@ -168,12 +171,12 @@ fn exactly_crossed(lanes: u32, x: [[f32; 8]; 3], y: [[f32; 8]; 3]) -> u32 {
 pub fn hit(block: &Block, lane: usize, ray: &Shear) -> Option<LaneHit> {
     const BOUND: f64 = 1.0 / (1u64 << 45) as f64;
     let [kx, ky, kz] = ray.axes;
-    let [ox, oy, oz] = ray.origin.map(f64::from);
-    let [dx, dy, dz] = ray.direction.map(f64::from);
+    let [ox, oy, oz] = map3(ray.origin, f64::from);
+    let [dx, dy, dz] = map3(ray.direction, f64::from);
     let v = &block.vertices;
-    let z = [0, 1, 2].map(|i| f64::from(v[i][kz][lane]) - oz);
-    let x = [0, 1, 2].map(|i| (f64::from(v[i][kx][lane]) - ox) * dz - dx * z[i]);
-    let y = [0, 1, 2].map(|i| (f64::from(v[i][ky][lane]) - oy) * dz - dy * z[i]);
+    let z = map3([0, 1, 2], |i| f64::from(v[i][kz][lane]) - oz);
+    let x = map3([0, 1, 2], |i| (f64::from(v[i][kx][lane]) - ox) * dz - dx * z[i]);
+    let y = map3([0, 1, 2], |i| (f64::from(v[i][ky][lane]) - oy) * dz - dy * z[i]);
     let edge = |a: usize, b: usize| x[a] * y[b] - y[a] * x[b];
     let edges = [edge(2, 1), edge(0, 2), edge(1, 0)];
     let sum = edges[0] + edges[1] + edges[2];

@@ -4,7 +4,7 @@ use super::Job;
 use super::media::Medium;
 use super::pool::Paths;
 use super::setup::{Point, SetupStage};
-use super::wave::Bounce;
+use super::wave::{Bounce, is_finite};
 use crate::lights::{LightSample, Source, mis_weight};
 use crate::sampler::{Sampler, light};
 use crate::settings::Strategy;
@@ -122,7 +122,11 @@ impl LightStage {
             let path = path as usize;
             let scale = paths.media.as_ref().map_or(1.0, |media| basic(&media.current(path)));
             let light = paths.throughput.get(path) * value * (weight * scale);
-            paths.radiance.set(path, paths.radiance.get(path) + light);
+            if is_finite(light) {
+                paths.radiance.set(path, paths.radiance.get(path) + light);
+            } else {
+                paths.fail(path as u32, slot);
+            }
         }
         Ok(())
     }

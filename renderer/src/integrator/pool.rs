@@ -53,6 +53,8 @@ pub struct Paths {
     pub alpha: Vec<f32>,
     /// Volumes that it is in.
     pub media: Option<Media>,
+    /// Paths with a value that is no finite number, and the material slot where it came up.
+    pub faults: Vec<(u32, u32)>,
 }
 
 impl Paths {
@@ -82,6 +84,14 @@ impl Paths {
         }
         if fields.media {
             self.media.get_or_insert_default().reset(len);
+        }
+    }
+
+    /// Notes that a value of a path is no finite number; its sample will not count.
+    #[cold]
+    pub fn fail(&mut self, path: u32, slot: u32) {
+        if std::mem::replace(&mut self.valid[path as usize], false) {
+            self.faults.push((path, slot));
         }
     }
 

@@ -39,8 +39,6 @@ pub struct ScatterStage {
     paths: Vec<u32>,
     numbers: [Vec<f32>; 3],
     roulette: [Vec<f32>; 1],
-    /// Paths with a value that is no finite number, and the material where it came up.
-    pub faults: Vec<(u32, u32)>,
     /// Volumes that there was no room for.
     pub forgotten_volumes: u64,
 }
@@ -111,7 +109,7 @@ impl ScatterStage {
             return;
         }
         if !is_finite(light) {
-            self.fail(point.path, group.slot, paths);
+            paths.fail(point.path, group.slot);
             return;
         }
         let side = point.side();
@@ -142,7 +140,7 @@ impl ScatterStage {
         }
         let mut throughput = paths.throughput.get(path) * from_bsdf(sample.weight);
         if !(is_finite(throughput) && sample.pdf.is_finite()) {
-            self.fail(point.path, group.slot, paths);
+            paths.fail(point.path, group.slot);
             return false;
         }
         let brightest = throughput.max_element();
@@ -180,13 +178,6 @@ impl ScatterStage {
             media.leave(path, instance);
         } else if !media.enter(path, instance, point.far) {
             self.forgotten_volumes += 1;
-        }
-    }
-
-    #[cold]
-    fn fail(&mut self, path: u32, slot: u32, paths: &mut Paths) {
-        if std::mem::replace(&mut paths.valid[path as usize], false) {
-            self.faults.push((path, slot));
         }
     }
 }

@@ -181,9 +181,9 @@ impl Wave {
         Ok(())
     }
 
-    /// Turns the paths that scattering found faulty into faults with their place.
+    /// Turns faulty paths into faults with their place.
     fn report_faults(&mut self, bounce: &Bounce<'_>, tile: &TileFilm) {
-        for (path, slot) in self.scatter.faults.drain(..) {
+        for (path, slot) in self.paths.faults.drain(..) {
             let (x, y) = tile.position(path as usize >> bounce.pass.log_samples);
             self.counters.fault(Fault { x, y, sample: bounce.sample(path), slot });
         }
@@ -196,6 +196,7 @@ impl Wave {
             for path in pixel * samples..(pixel + 1) * samples {
                 let radiance = self.paths.radiance.get(path);
                 let alpha = if job.state.alpha { self.paths.alpha[path] } else { 1.0 };
+                // Each term was finite; a sum of them may still overflow.
                 if self.paths.valid[path] && radiance.is_finite() {
                     stats.add(radiance, alpha);
                 }

@@ -14,6 +14,7 @@ use crate::camera::Camera;
 use crate::geometry::accel::{Flat, Placed};
 use crate::geometry::build::build_triangles;
 use crate::geometry::{Accel, Bounds};
+use crate::vector::map3;
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -131,7 +132,7 @@ impl Geometry {
     /// Vertices of a triangle.
     #[inline]
     pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
-        self.triangles[primitive as usize].map(|v| self.positions[v as usize])
+        map3(self.triangles[primitive as usize], |v| self.positions[v as usize])
     }
 
     /// Tangents of a texture space; none if there are no coordinates.

@@ -3,6 +3,7 @@
 use super::compiled::{Geometry, Place, Scene};
 use crate::geometry::Hit;
 use crate::geometry::offset::BoundedPoint;
+use crate::vector::map3;
 use glam::{Vec2, Vec3, Vec4Swizzles};
 use layered_bsdf::frame::frame_from_normal;
 use layered_bsdf::prelude::vec3f;
@@ -39,7 +40,8 @@ pub fn triangle_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let size = e1.abs().max_element().max(e2.abs().max_element());
     let inverse = 1.0 / size;
     let n = (e1 * inverse).cross(e2 * inverse);
-    unit_or(n, exact_normal(e1, e2))
+    let square = n.length_squared();
+    if square > 1e-30 { n * (1.0 / square.sqrt()) } else { exact_normal(e1, e2) }
 }
 
 #[cold]
@@ -65,12 +67,12 @@ impl Scene {
     pub fn surface_at(&self, instance: u32, primitive: u32, b1: f32, b2: f32) -> Surface {
         let (place, geometry) = self.at(instance);
         let triangle = geometry.triangles[primitive as usize];
-        let corners = triangle.map(|v| geometry.positions[v as usize]);
+        let corners = map3(triangle, |v| geometry.positions[v as usize]);
         let mut point = BoundedPoint::on_triangle(corners, b1, b2);
         let mut geometry_normal = triangle_normal(corners);
         let mut normal = geometry_normal;
         if !geometry.normals.is_empty() {
-            let [n0, n1, n2] = triangle.map(|v| geometry.normals[v as usize]);
+            let [n0, n1, n2] = map3(triangle, |v| geometry.normals[v as usize]);
             normal = unit_or(n0 * (1.0 - b1 - b2) + n1 * b1 + n2 * b2, geometry_normal);
         }
         if let Some(t) = &place.transforms {
@@ -90,7 +92,7 @@ impl Scene {
     pub fn texture_coordinate(&self, surface: &Surface, set: usize) -> Vec3 {
         let (_, geometry) = self.at(surface.instance);
         let Some(uvs) = geometry.uvs.get(set) else { return Vec3::ZERO };
-        let [a, b, c] = geometry.triangles[surface.primitive as usize].map(|v| uvs[v as usize]);
+        let [a, b, c] = map3(geometry.triangles[surface.primitive as usize], |v| uvs[v as usize]);
         let Vec2 { x: b1, y: b2 } = surface.b;
         (a * (1.0 - b1 - b2) + b * b1 + c * b2).extend(0.0)
     }
@@ -102,7 +104,7 @@ impl Scene {
         let any = frame_from_normal(vec3f(normal.x, normal.y, normal.z)).x;
         let any = Vec3::new(any.x, any.y, any.z);
         let Some(tangents) = geometry.tangents(set) else { return (any, normal.cross(any)) };
-        let [a, b, c] = geometry.triangles[surface.primitive as usize].map(|v| tangents[v as usize]);
+        let [a, b, c] = map3(geometry.triangles[surface.primitive as usize], |v| tangents[v as usize]);
         let Vec2 { x: b1, y: b2 } = surface.b;
         let sum = a * (1.0 - b1 - b2) + b * b1 + c * b2;
         let (mut along, mut sign) = (sum.xyz(), if sum.w < 0.0 { -1.0 } else { 1.0 });
