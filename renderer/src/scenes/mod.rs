@@ -1,7 +1,10 @@
 //! Scenes made in code.
 
+pub mod ball;
 pub mod cornell;
+pub mod lathe;
 pub mod shapes;
+pub mod studio;
 
 use crate::scene::{Mesh, SceneDescription};
 use glam::Vec3;
