@@ -64,14 +64,13 @@ pub fn environment(job: &Job<'_>, bounce: &Bounce<'_>, paths: &mut Paths, path: 
         paths.alpha[path] = 0.0;
         return;
     }
-    let Some(environment) = &job.lights.environment else { return };
-    let direction = paths.rays.direction.get(path);
-    let pdf = paths.pdf[path];
-    let weight = found_weight(job.settings.strategy, pdf, || job.lights.pdf_environment(direction));
-    if weight > 0.0 {
-        let light = paths.throughput.get(path) * environment.radiance(direction) * weight;
-        paths.radiance.set(path, paths.radiance.get(path) + light);
+    if job.lights.environment.is_none() {
+        return;
     }
+    let (radiance, light_pdf) = job.lights.environment(paths.rays.direction.get(path));
+    let weight = found_weight(job.settings.strategy, paths.pdf[path], || light_pdf);
+    let light = paths.throughput.get(path) * radiance * weight;
+    paths.radiance.set(path, paths.radiance.get(path) + light);
 }
 
 impl LightStage {

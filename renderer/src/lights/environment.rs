@@ -92,7 +92,19 @@ impl EnvironmentLight {
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         match &self.kind {
             Kind::Constant(radiance) => *radiance,
-            Kind::Map(map) => map.radiance(direction),
+            Kind::Map(map) => map.lookup(map.locate(direction)),
+        }
+    }
+
+    /// Radiance from a unit direction, and the density of [`EnvironmentLight::sample`] for it, sr⁻¹.
+    #[inline]
+    pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        match &self.kind {
+            Kind::Map(map) => {
+                let place = map.locate(direction);
+                (map.lookup(place), map.pdf(direction, place))
+            }
+            Kind::Constant(radiance) => (*radiance, self.pdf(direction)),
         }
     }
 
@@ -102,7 +114,7 @@ impl EnvironmentLight {
         match &self.kind {
             _ if !self.samplable => 0.0,
             Kind::Constant(_) => 0.25 * FRAC_1_PI,
-            Kind::Map(map) => map.pdf(direction),
+            Kind::Map(map) => map.pdf(direction, map.locate(direction)),
         }
     }
 
@@ -159,19 +171,17 @@ impl Map {
             row.iter_mut().for_each(|l| *l *= solid_angle(y));
         }
         let pyramid = Pyramid::new(w, h, &weights);
-        Some(Self { image, intensity, rotation: rotation / TAU, pyramid, edges })
+        let turns = rotation / TAU;
+        let rotation = if turns.is_finite() { turns - turns.floor() } else { 0.0 };
+        Some(Self { image, intensity, rotation, pyramid, edges })
     }
 
     /// Texture coordinates of a direction, u to the right and v downwards, both in [0, 1].
     #[inline]
     fn locate(&self, d: Vec3) -> [f32; 2] {
         let u = 0.5 + math_atan2(d.x, -d.z) * (0.5 * FRAC_1_PI) - self.rotation;
-        [u - u.floor(), math_acos(d.y.clamp(-1.0, 1.0)) * FRAC_1_PI]
-    }
-
-    #[inline]
-    fn radiance(&self, d: Vec3) -> Vec3 {
-        self.lookup(self.locate(d))
+        // u lies between −1 and 1.
+        [if u < 0.0 { u + 1.0 } else { u }, math_acos(d.y.clamp(-1.0, 1.0)) * FRAC_1_PI]
     }
 
     /// Bilinear: columns wrap around, rows end.
@@ -180,11 +190,12 @@ impl Map {
         let (w, h) = (self.image.width as usize, self.image.height as usize);
         let x = u * w as f32 - 0.5;
         let y = (v * h as f32 - 0.5).clamp(0.0, (h - 1) as f32);
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let left = if x0 < 0.0 { w - 1 } else { (x0 as usize).min(w - 1) };
+        // x is at least −½: one column more makes truncation the floor.
+        let column = (x + 1.0) as usize;
+        let left = if column == 0 { w - 1 } else { (column - 1).min(w - 1) };
         let right = if left + 1 == w { 0 } else { left + 1 };
-        let (top, bottom) = (y0 as usize, (y0 as usize + 1).min(h - 1));
+        let (top, bottom) = (y as usize, (y as usize + 1).min(h - 1));
+        let (fx, fy) = ((x + 1.0) - column as f32, y - top as f32);
         let at = |x: usize, y: usize| Vec3::from(self.image.pixels[y * w + x]);
         let upper = at(left, top) * (1.0 - fx) + at(right, top) * fx;
         let lower = at(left, bottom) * (1.0 - fx) + at(right, bottom) * fx;
@@ -207,10 +218,9 @@ impl Map {
     }
 
     #[inline]
-    fn pdf(&self, d: Vec3) -> f32 {
+    fn pdf(&self, d: Vec3, [u, v]: [f32; 2]) -> f32 {
         let Some(pyramid) = &self.pyramid else { return 0.0 };
         let w = self.image.width as usize;
-        let [u, v] = self.locate(d);
         let x = ((u * w as f32) as usize).min(w - 1);
         self.density(pyramid, x, self.row(v, d.y))
     }

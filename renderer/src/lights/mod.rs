@@ -79,14 +79,16 @@ impl Lights {
         self.triangles.as_ref().map_or(0, TriangleLights::len) + usize::from(self.environment_share > 0.0)
     }
 
-    /// Density of sampling a direction to the environment.
+    /// Radiance of the environment, and the density of sampling that direction.
     #[inline]
-    pub fn pdf_environment(&self, direction: Vec3) -> f32 {
+    pub fn environment(&self, direction: Vec3) -> (Vec3, f32) {
         match &self.environment {
             Some(environment) if self.environment_share > 0.0 => {
-                self.environment_share * environment.pdf(direction)
+                let (radiance, pdf) = environment.radiance_and_pdf(direction);
+                (radiance, self.environment_share * pdf)
             }
-            _ => 0.0,
+            Some(environment) => (environment.radiance(direction), 0.0),
+            None => (Vec3::ZERO, 0.0),
         }
     }
 

@@ -4,23 +4,21 @@
 /// A grid of weights and its sums over blocks of 2×2, 4×4, ….
 #[derive(Clone, Debug)]
 pub struct Pyramid {
-    /// From the full grid to a single cell.
+    width: usize,
+    height: usize,
+    /// By cell, the share of its weight.
+    cells: Vec<f32>,
+    /// From the coarsest to the finest; together they lead from the whole grid to a cell.
     levels: Vec<Level>,
 }
 
+/// The children of the blocks of a level, four of a block together: upper left, upper right, lower left,
+/// lower right.
 #[derive(Clone, Debug)]
 struct Level {
+    /// Blocks per row.
     width: usize,
-    height: usize,
-    sums: Vec<f32>,
-}
-
-impl Level {
-    /// 0 outside.
-    #[inline]
-    fn at(&self, x: usize, y: usize) -> f32 {
-        if x < self.width && y < self.height { self.sums[y * self.width + x] } else { 0.0 }
-    }
+    children: Vec<[f32; 4]>,
 }
 
 /// A place in the grid.
@@ -44,28 +42,32 @@ impl Pyramid {
             return None;
         }
         let mut finest: Vec<f64> = weights.iter().map(|&w| f64::from(w) / total).collect();
+        let cells = finest.iter().map(|&s| s as f32).collect();
         let (mut w, mut h) = (width, height);
         let mut levels = Vec::new();
-        loop {
-            levels.push(Level { width: w, height: h, sums: finest.iter().map(|&s| s as f32).collect() });
-            if w == 1 && h == 1 {
-                return Some(Self { levels });
-            }
+        while w > 1 || h > 1 {
             let (cw, ch) = (w.div_ceil(2), h.div_ceil(2));
+            let mut children = vec![[0f32; 4]; cw * ch];
             let mut coarse = vec![0.0; cw * ch];
             for y in 0..h {
                 for x in 0..w {
-                    coarse[y / 2 * cw + x / 2] += finest[y * w + x];
+                    let block = y / 2 * cw + x / 2;
+                    coarse[block] += finest[y * w + x];
+                    children[block][y % 2 * 2 + x % 2] = finest[y * w + x] as f32;
                 }
             }
+            levels.push(Level { width: cw, children });
             (finest, w, h) = (coarse, cw, ch);
         }
+        levels.reverse();
+        Some(Self { width, height, cells, levels })
     }
 
     /// Probability of a cell.
     #[inline]
     pub fn probability(&self, x: usize, y: usize) -> f32 {
-        self.levels[0].at(x, y)
+        debug_assert!(x < self.width && y < self.height);
+        self.cells[y * self.width + x]
     }
 
     /// A cell with probability in proportion to its weight, for `u` in [0, 1)².
@@ -73,15 +75,13 @@ impl Pyramid {
     pub fn sample(&self, u: [f32; 2]) -> GridSample {
         let (mut x, mut y) = (0, 0);
         let [mut s, mut t] = u;
-        for level in self.levels.iter().rev().skip(1) {
-            (x, y) = (2 * x, 2 * y);
-            let (a, b) = (level.at(x, y), level.at(x + 1, y));
-            let (c, d) = (level.at(x, y + 1), level.at(x + 1, y + 1));
+        for level in &self.levels {
+            let [a, b, c, d] = level.children[y * level.width + x];
             let right = choose(&mut s, a + c, b + d);
             let (above, below) = if right { (b, d) } else { (a, c) };
             let down = choose(&mut t, above, below);
-            x += usize::from(right);
-            y += usize::from(down);
+            x = 2 * x + usize::from(right);
+            y = 2 * y + usize::from(down);
         }
         GridSample { x, y, inside: [s, t] }
     }
@@ -90,12 +90,12 @@ impl Pyramid {
 /// Whether `u` falls to the second of two weights; `u` becomes a number in [0, 1) again.
 #[inline]
 fn choose(u: &mut f32, first: f32, second: f32) -> bool {
-    let share = first / (first + second);
-    // A weight of zero is never chosen, also where rounding would.
-    let second_chosen = (*u >= share || first == 0.0) && second > 0.0;
-    let rest = if second_chosen { (*u - share) / (1.0 - share) } else { *u / share };
-    *u = if rest > 0.0 { rest.min(0.999_999_94) } else { 0.0 };
-    second_chosen
+    let x = *u * (first + second);
+    // A weight of zero is never chosen, also where rounding would. No branch: it would be mispredicted.
+    let chosen = (x >= first) & (second > 0.0) | (first <= 0.0);
+    let (start, width) = if chosen { (first, second) } else { (0.0, first) };
+    *u = ((x - start) / width).max(0.0).min(0.999_999_94);
+    chosen
 }
 
 #[cfg(test)]
