@@ -1,0 +1,13 @@
+//! Scenes: as described by a caller or a file, and made ready for rendering.
+
+pub mod compiled;
+pub mod description;
+pub mod sanitise;
+pub mod surface;
+pub mod tangents;
+#[cfg(test)]
+mod tests;
+
+pub use compiled::{Scene, SceneError, SceneNotes};
+pub use description::{Environment, Instance, Mesh, SceneDescription};
+pub use surface::Surface;
