@@ -15,9 +15,9 @@ const START: f32 = 0.8 - F90;
 /// How fast highlights fade to white.
 const DESATURATION: f32 = 0.15;
 
-/// Radiance to display-linear, each component in [0, 1].
+/// Radiance to display-linear, each component in [0, 1]; what is no number counts as zero.
 pub fn neutral(color: Vec3) -> Vec3 {
-    let color = color.max(Vec3::ZERO).min(Vec3::splat(1e6));
+    let color = Vec3::from(color.to_array().map(|c| if c > 0.0 { c.min(1e6) } else { 0.0 }));
     let low = color.min_element();
     let offset = if low < 2.0 * F90 { low - low * low / (4.0 * F90) } else { F90 };
     let color = color - offset;
@@ -86,7 +86,8 @@ mod tests {
 
     #[test]
     fn garbage_is_no_colour() {
-        let c = display(Vec3::new(f32::NAN, f32::INFINITY, -f32::INFINITY), 1.0);
-        assert_eq!(c[2], 0);
+        let shown = |r, g, b| display(Vec3::new(r, g, b), 1.0);
+        assert_eq!(shown(f32::NAN, 0.5, -f32::INFINITY), shown(0.0, 0.5, 0.0));
+        assert_eq!(shown(0.0, f32::INFINITY, 0.0), shown(0.0, 1e6, 0.0));
     }
 }

@@ -12,7 +12,7 @@ use crate::shading::normal::adapt;
 use crate::shading::state::{fill, fill_frame, fill_normal};
 use crate::shading::{Shader, ShadingFrame};
 use glam::Vec3;
-use layered_bsdf::prelude::{POINT_INSIDE, POINT_THIN_WALLED, ShadingPoint};
+use layered_bsdf::prelude::{POINT_INSIDE, POINT_THIN_WALLED, ShadingPoint, shading_point};
 use mdl_jit::material::{InputFault, Part};
 use mdl_jit::state::{StateBatch, StateFields};
 
@@ -74,14 +74,14 @@ impl SetupStage {
             let p = path as usize;
             let surface = job.shading.scene.surface(&paths.hits.get(p));
             let wo = -paths.rays.direction.get(p);
-            let zero = to_bsdf(Vec3::ZERO);
+            let (zero, one) = (to_bsdf(Vec3::ZERO), to_bsdf(Vec3::ONE));
             Point {
                 path,
                 surface,
                 wo,
                 back: surface.geometry_normal.dot(wo) < 0.0,
                 frame: ShadingFrame { x: Vec3::X, y: Vec3::Y, z: Vec3::Z },
-                bsdf: ShadingPoint { geometry_normal: zero, ior_near: zero, ior_far: zero, flags: 0 },
+                bsdf: shading_point(zero, one, one, 0),
                 near: Medium::VACUUM,
                 far: Medium::VACUUM,
             }
@@ -164,18 +164,14 @@ impl SetupStage {
                 own.absorption = Vec3::from(volume.value3(&self.volume_columns, 0, row)).max(Vec3::ZERO);
             }
             (point.near, point.far) = sides(paths, point, own, thin);
-            point.bsdf = ShadingPoint {
-                geometry_normal: to_bsdf(point.frame.to_local(point.side())),
-                ior_near: to_bsdf(point.near.ior),
-                ior_far: to_bsdf(point.far.ior),
-                flags: if thin {
-                    POINT_THIN_WALLED
-                } else if point.back {
-                    POINT_INSIDE
-                } else {
-                    0
-                },
+            let flags = match (thin, point.back) {
+                (true, _) => POINT_THIN_WALLED,
+                (false, true) => POINT_INSIDE,
+                (false, false) => 0,
             };
+            let geometry_normal = to_bsdf(point.frame.to_local(point.side()));
+            point.bsdf =
+                shading_point(geometry_normal, to_bsdf(point.near.ior), to_bsdf(point.far.ior), flags);
         }
         Ok(())
     }
