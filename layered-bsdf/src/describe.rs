@@ -25,7 +25,8 @@ struct Operation {
 const LAYER: [(&str, u32); 2] = [("importance", 2), ("weight", 3)];
 
 fn operation(op: u32) -> Operation {
-    let (name, parameters, optional): (_, &[(&str, u32)], &[(u32, &str)]) = match op {
+    type Row = (&'static str, &'static [(&'static str, u32)], &'static [(u32, &'static str)]);
+    let (name, parameters, optional): Row = match op {
         OP_BLACK => ("black", &[], &[]),
         OP_DIFFUSE_REFLECTION => {
             ("diffuse reflection", &[("tint", 3), ("roughness", 1)], &[(FLAG_COLOR, "multiscatter tint")])

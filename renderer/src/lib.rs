@@ -8,6 +8,7 @@ pub mod geometry;
 pub mod images;
 pub mod integrator;
 pub mod lights;
+pub mod loaders;
 pub mod needs;
 pub mod progress;
 pub mod render;

@@ -290,7 +290,7 @@ fn instances_look_like_copies() {
     }
     let settings = settings(32, 64);
     let (a, b) = (copies.render(&settings), shared.render(&settings));
-    assert_eq!(b.needs.on(renderer::needs::Feature::Instancing), true);
+    assert!(b.needs.on(renderer::needs::Feature::Instancing));
     let ((ma, ea), (mb, eb)) = (mean_and_error(&a), mean_and_error(&b));
     assert!((ma - mb).abs() < 3.0 * (ea + eb), "{ma} {mb}");
 }

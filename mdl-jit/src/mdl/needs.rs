@@ -137,10 +137,10 @@ impl Needs {
             | "::state::transform_point"
             | "::state::transform_vector"
             | "::state::transform_normal"
-            | "::state::transform_scale" => {
-                if !same_space(constants) {
-                    add(StateField::Instance);
-                }
+            | "::state::transform_scale"
+                if !same_space(constants) =>
+            {
+                add(StateField::Instance);
             }
             TO_LOCAL => {
                 [StateField::FrameX, StateField::FrameY, StateField::FrameZ].into_iter().for_each(add)

@@ -1,6 +1,7 @@
 //! OpenEXR files: linear radiance in single precision.
 
 use super::Film;
+use exr::image::write::channels::WritableChannels;
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::*;
 use std::io::{Seek, Write};
@@ -22,6 +23,15 @@ pub fn write_exr(film: &Film, metadata: &ExrMetadata, to: impl Write + Seek) -> 
         let c = pixel.mean.as_vec3();
         (c.x, c.y, c.z, pixel.alpha as f32)
     });
+    exr_image(size, metadata, channels).write().to_buffered(to)
+}
+
+/// A file of one layer; its bytes depend on nothing but the arguments.
+pub(crate) fn exr_image<'a, C: WritableChannels<'a> + 'a>(
+    size: (usize, usize),
+    metadata: &ExrMetadata,
+    channels: C,
+) -> Image<Layer<C>> {
     let mut attributes = LayerAttributes::named("");
     attributes.layer_name = None;
     attributes.software_name = Some(Text::new_or_panic("lacquer"));
@@ -40,5 +50,5 @@ pub fn write_exr(film: &Film, metadata: &ExrMetadata, to: impl Write + Seek) -> 
         blue: Vec2(0.15, 0.06),
         white: Vec2(0.3127, 0.329),
     });
-    image.write().to_buffered(to)
+    image
 }

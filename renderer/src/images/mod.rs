@@ -1,4 +1,12 @@
-//! Pictures as input: environments and textures.
+//! Pictures as input: environments and textures; and pictures of plain floats as files.
+
+pub mod exr;
+pub mod load;
+pub mod texture;
+
+pub use self::exr::{read_exr, write_exr};
+pub use load::{ImageError, ImageLimits, load_environment};
+pub use texture::{Gamma, TextureImage, load_texture};
 
 /// Linear colour, three floats per pixel.
 #[derive(Clone, Debug, Default, PartialEq)]

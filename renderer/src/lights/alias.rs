@@ -159,7 +159,7 @@ mod tests {
         let weights: Vec<f64> = (1..=20).map(f64::from).collect();
         let table = AliasTable::new(&weights).expect("positive weights");
         let n = 200_000;
-        let mut counts = vec![0f64; 20];
+        let mut counts = [0f64; 20];
         for i in 0..n {
             let h = layered_bsdf::math::hash_u32(i);
             counts[table.sample((f64::from(h) + 0.5) / 4_294_967_296.0).0 as usize] += 1.0;

@@ -89,6 +89,7 @@ impl Pyramid {
 
 /// Whether `u` falls to the second of two weights; `u` becomes a number in [0, 1) again.
 #[inline]
+#[allow(clippy::manual_clamp, reason = "0/0 must become 0, not stay no number")]
 fn choose(u: &mut f32, first: f32, second: f32) -> bool {
     let x = *u * (first + second);
     // A weight of zero is never chosen, also where rounding would. No branch: it would be mispredicted.
@@ -109,7 +110,7 @@ mod tests {
         let total: f32 = weights.iter().sum();
         let pyramid = Pyramid::new(w, h, &weights).expect("not all zero");
         let n = 512;
-        let mut counts = vec![0u32; 15];
+        let mut counts = [0u32; 15];
         let mut left = 0;
         for i in 0..n * n {
             let u = [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|u| u / n as f32);

@@ -27,8 +27,8 @@ const TILT: (f64, f64) = (33.0, -14.0);
 pub fn ball(material: ConstantMaterial) -> BuiltScene {
     let mut materials = vec![material, stand_material()];
     let mut names = vec!["material".to_string(), "stand".to_string()];
-    for ring in 0..FLOOR.len() {
-        for (shade, name) in FLOOR[ring].into_iter().zip(["light", "dark"]) {
+    for (ring, shades) in FLOOR.into_iter().enumerate() {
+        for (shade, name) in shades.into_iter().zip(["light", "dark"]) {
             let name = format!("floor {name} {ring}");
             materials.push(diffuse(&name, [shade, shade, 1.01 * shade]));
             names.push(name);

@@ -24,9 +24,14 @@ pub struct BuiltScene {
 impl BuiltScene {
     /// The materials, ready for rendering.
     pub fn materials(&self) -> Vec<Arc<Material>> {
-        let build = |m: &ConstantMaterial| Arc::new(m.build().expect("built-in materials are small"));
-        self.materials.iter().map(build).collect()
+        build_all(&self.materials)
     }
+}
+
+/// Materials of small trees, ready for rendering.
+pub(crate) fn build_all(materials: &[ConstantMaterial]) -> Vec<Arc<Material>> {
+    let build = |m: &ConstantMaterial| Arc::new(m.build().expect("the tree has a few nodes"));
+    materials.iter().map(build).collect()
 }
 
 /// A matt material.

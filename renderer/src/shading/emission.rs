@@ -24,11 +24,14 @@ pub struct EmissionQuery {
     pub scale: f32,
 }
 
+/// A program with its parameters; none if nothing is emitted.
+type OwnProgram = Option<Box<(Program, Params)>>;
+
 /// Programs of the evaluator, which wants them for itself, and buffers.
 #[derive(Default)]
 pub struct Emitters {
     /// By shader and side.
-    programs: Vec<[Option<Box<(Program, Params)>>; 2]>,
+    programs: Vec<[OwnProgram; 2]>,
     state: StateBatch,
     columns: Vec<Vec<f32>>,
     cutouts: Vec<Vec<f32>>,

@@ -11,6 +11,7 @@ use renderer::render::{Render, render};
 use renderer::scene::{Environment, Instance, Mesh, Scene, SceneDescription};
 use renderer::scenes::shapes::icosphere;
 use renderer::settings::{RenderSettings, Strategy};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// All strategies.
@@ -156,4 +157,33 @@ pub fn assert_mean(render: &Render, expected: f64, relative: f64, what: &str) {
     let tolerance = relative * expected.abs() + 4.0 * error;
     assert!((mean - expected).abs() <= tolerance, "{what}: {mean} ± {error}, expected {expected}");
     assert_eq!(render.counters.faults, 0, "{what}");
+}
+
+/// A file or folder of the shared test data; if it is not there, says so and is none.
+pub fn data(path: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(path);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped: there is no {}", path.display());
+    None
+}
+
+/// Files with one of the extensions in a folder of the shared test data and the folders below, in order.
+pub fn data_files(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders: Vec<PathBuf> = data(folder).into_iter().collect();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            let path = entry.path();
+            let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+            if path.is_dir() {
+                folders.push(path);
+            } else if extension.is_some_and(|e| extensions.contains(&&e[..])) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
 }
