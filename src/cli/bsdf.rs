@@ -1,6 +1,6 @@
 //! `lacquer bsdf`: value, density, samples and energy of a material's BSDF at a point, as JSON.
 
-use super::{Assignment, Fail, SearchPaths, Target, open_material, json, parse_direction, parse_vector};
+use super::{Assignment, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector};
 use lacquer::{Error, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};

@@ -75,14 +75,18 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         report(module);
         broken += 1;
     }
-    std::fs::create_dir_all(&args.output).map_err(|source| Error::Io { path: args.output.clone(), source })?;
+    std::fs::create_dir_all(&args.output)
+        .map_err(|source| Error::Io { path: args.output.clone(), source })?;
     let mut entries = Vec::new();
     for module in modules.iter().filter(|module| !module.has_errors()) {
         for info in module.materials() {
             match entry(module, &info.name, args) {
                 Ok(entry) => {
                     let fault = entry.fault.as_deref().unwrap_or("ok");
-                    eprintln!("{}: {:.1} s, relMSE {:.1e}, {fault}", entry.name, entry.render_s, entry.relmse);
+                    eprintln!(
+                        "{}: {:.1} s, relMSE {:.1e}, {fault}",
+                        entry.name, entry.render_s, entry.relmse
+                    );
                     entries.push(entry);
                 }
                 Err(error) => {

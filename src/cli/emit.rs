@@ -1,6 +1,6 @@
 //! `lacquer emit`: the code of a part of a material, or of a function, in any form.
 
-use super::{Assignment, Fail, SearchPaths, Target, open_material, open};
+use super::{Assignment, Fail, SearchPaths, Target, open, open_material};
 use lacquer::Error;
 use mdl_jit::emit::{EmitTarget, emit};
 use mdl_jit::material::Part;
