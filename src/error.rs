@@ -33,14 +33,18 @@ pub enum Error {
     /// An argument or setting is out of its range.
     #[error("{0}")]
     Setting(String),
-    /// A texture could not be read.
-    #[error("texture `{written}`: {cause}")]
-    Texture {
-        /// The path as written in the source.
-        written: String,
-        /// The cause.
-        cause: String,
-    },
+    /// An image could not be read.
+    #[error(transparent)]
+    Image(#[from] renderer::images::ImageError),
+    /// A scene file could not be read.
+    #[error(transparent)]
+    Load(#[from] renderer::loaders::LoadError),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Scene(#[from] renderer::scene::SceneError),
+    /// Rendering failed.
+    #[error(transparent)]
+    Render(#[from] renderer::render::RenderError),
     /// The inputs of a material could not be computed.
     #[error(transparent)]
     Inputs(#[from] mdl_jit::material::InputFault),

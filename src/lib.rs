@@ -2,18 +2,25 @@
 //!
 //! This crate is what programs embed. A [`Session`] knows where modules lie and checks them; a
 //! [`Module`] exports materials and functions; a [`Material`] is compiled, its arguments can be edited, its
-//! BSDF evaluated at a point ([`Material::at`]), and it can be rendered.
+//! BSDF evaluated at a point ([`Material::at`]), and it can be put into a [`Scene`] and rendered.
 
 pub mod error;
 pub mod function;
 pub mod loader;
 pub mod material;
 pub mod probe;
+pub mod scene;
 pub mod session;
+mod textures;
 
 pub use error::Error;
 pub use function::Function;
 pub use material::Material;
 pub use mdl_frontend::value::Value;
 pub use probe::{Evaluation, Probe, Sample, SurfacePoint};
+pub use renderer::film::Film;
+pub use renderer::progress::{Progress, Silent};
+pub use renderer::render::Render;
+pub use renderer::settings::RenderSettings;
+pub use scene::Scene;
 pub use session::{Module, Session};

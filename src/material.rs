@@ -3,11 +3,12 @@
 use crate::error::Error;
 use crate::probe::Probe;
 use crate::session::Module;
+use crate::textures::Textures;
 use mdl_frontend::Argument;
 use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource};
 use mdl_frontend::value::Value;
 use mdl_jit::mdl::CompiledMaterial;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A material with its current arguments.
 ///
@@ -34,6 +35,7 @@ pub struct Material {
     code: Arc<CompiledMaterial>,
     arguments: Vec<Value>,
     shaded: Arc<mdl_jit::material::Material>,
+    textures: OnceLock<Arc<Textures>>,
 }
 
 impl Material {
@@ -46,7 +48,7 @@ impl Material {
         let graph = Self::graph_of(&module, name, mode, &given)?;
         let arguments = arguments_of(&graph);
         let code = compile(&graph, &arguments)?;
-        let shaded = instantiate(&graph, &code, &arguments)?.ok_or_else(|| {
+        let shaded = instantiate(&graph, &code, &arguments, None)?.ok_or_else(|| {
             Error::Setting(format!("`{}` decides its structure by no known value", graph.name))
         })?;
         Ok(Self {
@@ -58,6 +60,7 @@ impl Material {
             code: Arc::new(code),
             arguments,
             shaded: Arc::new(shaded),
+            textures: OnceLock::new(),
         })
     }
 
@@ -102,17 +105,18 @@ impl Material {
         let graph = Self::graph_of(&self.module, &self.name, self.mode, &given)?;
         let arguments = arguments_of(&graph);
         let same = graph.graph.nodes == self.graph.graph.nodes;
-        let reused = if same { instantiate(&graph, &self.code, &arguments)? } else { None };
+        let reused = if same { instantiate(&graph, &self.code, &arguments, None)? } else { None };
         let shaded = match reused {
             Some(shaded) => shaded,
             None => {
                 self.code = Arc::new(compile(&graph, &arguments)?);
-                let shaded = instantiate(&graph, &self.code, &arguments)?;
+                let shaded = instantiate(&graph, &self.code, &arguments, None)?;
                 shaded.expect("the structure was just decided by these arguments")
             }
         };
         (self.given, self.graph, self.arguments) = (given, Arc::new(graph), arguments);
         self.shaded = Arc::new(shaded);
+        self.textures = OnceLock::new();
         Ok(())
     }
 
@@ -136,7 +140,25 @@ impl Material {
         &self.code
     }
 
-    /// The form that a renderer takes.
+    /// The form that a renderer takes, with the numbers that it has for the resources.
+    pub(crate) fn with_textures(&self, numbers: &[u32]) -> Result<Arc<mdl_jit::material::Material>, Error> {
+        if numbers.is_empty() {
+            return Ok(self.shaded.clone());
+        }
+        let shaded = instantiate(&self.graph, &self.code, &self.arguments, Some(numbers))?;
+        Ok(Arc::new(shaded.expect("the arguments are those that decided the structure")))
+    }
+
+    /// Its textures, numbered as its resources; loaded when they are first asked for.
+    pub(crate) fn textures(&self) -> Result<Arc<Textures>, Error> {
+        if let Some(textures) = self.textures.get() {
+            return Ok(textures.clone());
+        }
+        let textures = Arc::new(Textures::load([self])?);
+        Ok(self.textures.get_or_init(|| textures).clone())
+    }
+
+    /// The form that a renderer takes. Textures are numbered as in the graph.
     pub fn shaded(&self) -> &Arc<mdl_jit::material::Material> {
         &self.shaded
     }
@@ -170,13 +192,14 @@ fn compile(graph: &MaterialGraph, arguments: &[Value]) -> Result<CompiledMateria
         .map_err(|source| Error::Compile { name: graph.name.to_string(), source })
 }
 
-/// Textures are numbered as in the graph; a renderer renumbers them.
+/// `textures` are the numbers of the graph's resources; without, they are numbered as in the graph.
 fn instantiate(
     graph: &MaterialGraph,
     code: &CompiledMaterial,
     arguments: &[Value],
+    textures: Option<&[u32]>,
 ) -> Result<Option<mdl_jit::material::Material>, Error> {
-    let textures: Vec<u32> = (0..graph.graph.resources.len() as u32).collect();
-    code.instantiate(arguments, &textures)
+    let own: Vec<u32> = (0..graph.graph.resources.len() as u32).collect();
+    code.instantiate(arguments, textures.unwrap_or(&own))
         .map_err(|source| Error::Compile { name: graph.name.to_string(), source })
 }

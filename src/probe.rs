@@ -5,7 +5,6 @@ use crate::material::Material;
 use layered_bsdf::prelude::*;
 use mdl_jit::material::{PROGRAM_OFFSET, Part, Runtime};
 use mdl_jit::state::{StateBatch, StateField};
-use mdl_jit::texture::NoTextures;
 use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Signature};
 use std::f64::consts::{PI, TAU};
 
@@ -238,7 +237,10 @@ pub fn evaluate_inputs(material: &Material, part: Part, at: &SurfacePoint) -> Re
     for field in inputs.state.iter() {
         set_flat(&mut state, field, 0, at.position, at.uvw);
     }
-    let runtime = Runtime { textures: &NoTextures, transforms: &IDENTITY, animation_time: 0.0 };
+    let textures = material.textures()?;
+    let shaded = material.with_textures(&textures.numbers[0])?;
+    let inputs = shaded.inputs(part);
+    let runtime = Runtime { textures: &textures.table, transforms: &IDENTITY, animation_time: 0.0 };
     let mut columns = Vec::new();
     inputs.run(&state, &runtime, &mut columns)?;
     Ok((0..inputs.uniform.len()).map(|output| inputs.value(&columns, output, 0)).collect())

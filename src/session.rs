@@ -100,6 +100,11 @@ impl Session {
         Ok(modules?.into_iter().filter(|module| !module.materials().is_empty()).collect())
     }
 
+    /// Time spent on turning text into syntax trees so far.
+    pub fn parse_time(&self) -> std::time::Duration {
+        self.compiler.parse_time()
+    }
+
     fn module(&self, checked: CheckedModule) -> Module {
         Module { session: self.clone(), checked }
     }

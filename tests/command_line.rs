@@ -71,6 +71,7 @@ fn missing_things_are_named() {
     fails(&["inspect", "/no/such/file.mdl"], 1, &["/no/such/file.mdl"]);
     fails(&["inspect", "::catalog::metal::iron"], 1, &["iron", "gold"]);
     fails(&["inspect", "::catalog::no_such_module::x"], 1, &["::catalog::no_such_module"]);
+    fails(&["inspect", "::catalog::wod"], 1, &["::catalog::wod", "did you mean `wood`"]);
     fails(&["inspect", "::catalog::plastic::plastic", "--arg", "rufness=1"], 1, &["rufness", "roughness"]);
     fails(&["inspect", "::catalog::plastic::plastic", "--arg", "roughness=colour(1)"], 1, &["colour"]);
     fails(&["inspect", "::catalog::plastic::plastic", "--arg", "roughness"], 2, &["NAME=VALUE"]);
@@ -191,4 +192,120 @@ fn code_is_printed_in_all_forms() {
     assert_eq!(output.stdout.get(..4), Some(&[0x03, 0x02, 0x23, 0x07][..]));
     fails(&["emit", "::catalog::glass::clear_glass", "--target", "wgsl"], 1, &["nothing varies"]);
     fails(&["emit", "::catalog::checker::checker", "--target", "cobol"], 2, &["cobol"]);
+}
+
+/// What a picture of the smallest kind needs.
+const SMALL: [&str; 6] = ["--size", "16x16", "--spp", "2", "--quiet", "-o"];
+
+fn render<'a>(target: &'a str, output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut args = vec!["render", target];
+    args.extend(SMALL);
+    args.push(output);
+    args.extend(more);
+    args
+}
+
+#[test]
+fn renderings_that_cannot_be_fail_before_they_start() {
+    let folder = Folder::new("render-fails");
+    let out = folder.0.join("out.png");
+    let out = path(&out);
+    let wood = "::catalog::wood";
+    fails(&["render", wood, "--size", "0x16", "-o", out], 2, &["at least one pixel"]);
+    fails(&["render", wood, "--size", "16", "-o", out], 2, &["WIDTHxHEIGHT"]);
+    fails(&["render", wood, "--spp", "0", "-o", out], 2, &["--spp"]);
+    fails(&["render", wood, "--time", "-1", "-o", out], 2, &["--time"]);
+    fails(&["render", wood, "--no-such-flag", "-o", out], 2, &["--no-such-flag"]);
+    fails(&["render", wood], 2, &["--output"]);
+    fails(&["render", wood, "-o", "picture.gif"], 2, &["picture.gif", ".exr"]);
+    fails(&render(wood, "/no/such/folder/x.png", &[]), 1, &["/no/such/folder"]);
+    fails(&render(wood, out, &["--env", "/no/such.hdr"]), 1, &["/no/such.hdr"]);
+    fails(&render(wood, out, &["--scene", "/no/such.glb"]), 1, &["/no/such.glb"]);
+    fails(&render(wood, out, &["--assign", "lid=::catalog::metal::gold"]), 1, &["lid", "stand"]);
+    fails(&render(wood, out, &["--backend", "gpu"]), 1, &["GPU"]);
+    let broken = folder.write("broken.hdr", "#?RADIANCE\n");
+    fails(&render(wood, out, &["--env", path(&broken)]), 1, &["broken.hdr"]);
+    assert!(!Path::new(out).exists());
+}
+
+#[test]
+fn textures_are_found_read_and_blamed() {
+    let folder = Folder::new("textures");
+    folder.write("broken.png", [b"\x89PNG\r\n\x1a\n".as_slice(), b"and no more"].concat());
+    let source = |file: &str| {
+        format!(
+            "{HEADER}import ::state::*;\nexport material m() = material(surface: material_surface(\n\
+             scattering: df::diffuse_reflection_bsdf(tint: tex::lookup_color(\n\
+             texture_2d(\"{file}\"), float2(state::texture_coordinate(0).x, 0.5)))));\n"
+        )
+    };
+    let out = folder.0.join("out.png");
+    let broken = folder.write("broken.mdl", source("broken.png"));
+    fails(&render(path(&broken), path(&out), &[]), 1, &["E0911", "broken.png", "broken.mdl:7"]);
+    let missing = folder.write("missing.mdl", source("missing.png"));
+    fails(&render(path(&missing), path(&out), &[]), 1, &["missing.png", "missing.mdl:7"]);
+    // A picture of ours is a texture too.
+    let picture = folder.0.join("grey.png");
+    let output = lacquer(&render("::catalog::checker", path(&picture), &[]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let good = folder.write("good.mdl", source("grey.png"));
+    let output = lacquer(&render(path(&good), path(&out), &[]));
+    assert!(output.status.success() && out.exists(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads_and_reports_are_whole() {
+    let folder = Folder::new("threads");
+    let picture = |threads: &str| {
+        let (out, report) = (folder.0.join(format!("{threads}.exr")), folder.0.join("report.json"));
+        let more = ["--threads", threads, "--seed", "7", "--report", path(&report)];
+        let output = lacquer(&render("::catalog::glass::frosted_glass", path(&out), &more));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report = std::fs::read(&report).expect("the report was written");
+        let report: serde_json::Value = serde_json::from_slice(&report).expect("it is JSON");
+        for key in ["parse", "check", "compile", "build", "first_pixel", "render"] {
+            assert!(report["seconds"][key].is_f64(), "{report} has no {key}");
+        }
+        assert_eq!(report["samples"], 2);
+        assert!(report["peak_bytes"].is_u64() && report["needs"][0]["feature"].is_string());
+        std::fs::read(&out).expect("the picture was written")
+    };
+    let one = picture("1");
+    assert!(one == picture("2") && one == picture("5"));
+}
+
+#[test]
+fn catalog_writes_a_gallery_and_says_what_is_broken() {
+    let folder = Folder::new("catalog");
+    let out = folder.0.join("gallery");
+    let modules = folder.0.join("modules");
+    std::fs::create_dir_all(&modules).expect("the folder is writable");
+    let grey = "export material grey() = material(surface: material_surface(\
+         scattering: df::diffuse_reflection_bsdf(tint: color(0.5))));\n";
+    std::fs::write(modules.join("grey.mdl"), format!("{HEADER}{grey}")).expect("the folder is writable");
+    let args = ["catalog", path(&modules), "-o", path(&out), "--size", "8x8", "--spp", "1", "--quiet"];
+    let output = lacquer(&args);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let page = std::fs::read_to_string(out.join("index.html")).expect("there is a page");
+    assert!(page.contains("grey.grey.png") && out.join("grey.grey.png").exists());
+    std::fs::write(modules.join("wrong.mdl"), "mdl 1.7;\nexport int f() { return x; }\n").expect("writable");
+    fails(&args, 1, &["wrong.mdl:2"]);
+    fails(&["catalog", "/no/such/folder", "-o", path(&out)], 1, &["/no/such/folder"]);
+}
+
+#[test]
+fn grids_are_written_as_images() {
+    let folder = Folder::new("grid");
+    let file = folder.write(
+        "f.mdl",
+        "mdl 1.7;\nimport ::state::*;\nexport float3 f() { return state::texture_coordinate(0); }\n",
+    );
+    let target = format!("{}::f", path(&file));
+    let out = folder.0.join("f.exr");
+    let output = lacquer(&["eval", &target, "--grid", "4x2", "-o", path(&out)]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let image = renderer::images::read_exr(&out).expect("it is an EXR");
+    assert_eq!((image.width, image.height), (4, 2));
+    assert_eq!(image.pixels[0], [0.125, 0.75, 0.0]);
+    assert_eq!(image.pixels[7], [0.875, 0.25, 0.0]);
 }

@@ -162,12 +162,16 @@ pub fn render_with(
     })
 }
 
-/// What [`render`] would need for a scene with these materials.
-pub fn needs(scene: &Scene, materials: &[Arc<Material>]) -> Result<Needs, RenderError> {
+/// What [`render_with`] would need for a scene with these materials.
+pub fn needs_with(
+    scene: &Scene,
+    materials: &[Arc<Material>],
+    textures: &dyn Textures,
+) -> Result<Needs, RenderError> {
     let settings = RenderSettings::default();
     check(scene, materials, &settings)?;
     let shaders: Vec<Shader> = materials.iter().map(|m| Shader::new(m.clone())).collect();
-    let runtime = Runtime { textures: &NoTextures, transforms: &scene.transforms, animation_time: 0.0 };
+    let runtime = Runtime { textures, transforms: &scene.transforms, animation_time: 0.0 };
     let lights = lights(&Shading { scene, shaders: &shaders, runtime: &runtime }, settings.strategy)?;
     Ok(Needs::new(scene, &shaders, &lights))
 }

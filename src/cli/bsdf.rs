@@ -1,6 +1,6 @@
 //! `lacquer bsdf`: value, density, samples and energy of a material's BSDF at a point, as JSON.
 
-use super::{Assignment, Fail, SearchPaths, Target, compile, json, parse_direction, parse_vector};
+use super::{Assignment, Fail, SearchPaths, Target, open_material, json, parse_direction, parse_vector};
 use lacquer::{Error, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         return Err(Fail::Usage("--wo must lie above the surface: its third number is positive".to_string()));
     }
     let session = args.search.session()?;
-    let material = compile(&session, &args.target, &args.arguments)?;
+    let material = open_material(&session, &args.target, &args.arguments)?;
     let at = SurfacePoint {
         position: args.position,
         uvw: args.uvw,

@@ -1,7 +1,7 @@
 //! `lacquer check`: modules are checked, and everything that is wrong is said. Exit status 0 if nothing is,
 //! 1 if there are errors, 2 if the command was called wrongly.
 
-use super::{Fail, SearchPaths};
+use super::{Fail, SearchPaths, modules_below};
 use lacquer::{Error, Module, Session};
 use mdl_frontend::diagnostics::{Record, Severity};
 use std::io::IsTerminal;
@@ -38,11 +38,11 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     for path in &args.paths {
         if path.is_dir() {
             session.add_search_path(path)?;
-            let before = files.len();
-            collect(path, &mut files).map_err(|source| Error::Io { path: path.clone(), source })?;
-            if files.len() == before {
+            let below = modules_below(path)?;
+            if below.is_empty() {
                 eprintln!("warning: no module lies below {}", path.display());
             }
+            files.extend(below);
         } else {
             files.push(path.clone());
         }
@@ -92,22 +92,6 @@ fn check_all(session: &Session, files: &[PathBuf]) -> Vec<(PathBuf, Result<Modul
     });
     results.sort_by_key(|(index, ..)| *index);
     results.into_iter().map(|(_, file, result)| (file, result)).collect()
-}
-
-/// All `.mdl` files below a folder, by name.
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    let mut entries: Vec<_> = std::fs::read_dir(folder)?.collect::<Result<_, _>>()?;
-    entries.sort_by_key(|entry| entry.file_name());
-    for entry in entries {
-        let path = entry.path();
-        // Links to folders are not followed: they may lead in circles.
-        if entry.file_type()?.is_dir() {
-            collect(&path, files)?;
-        } else if path.extension().is_some_and(|extension| extension == "mdl") {
-            files.push(path);
-        }
-    }
-    Ok(())
 }
 
 /// Writes the diagnostics of a module; gives the numbers of errors and warnings.

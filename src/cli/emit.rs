@@ -1,6 +1,6 @@
 //! `lacquer emit`: the code of a part of a material, or of a function, in any form.
 
-use super::{Assignment, Fail, SearchPaths, Target, compile, open};
+use super::{Assignment, Fail, SearchPaths, Target, open_material, open};
 use lacquer::Error;
 use mdl_jit::emit::{EmitTarget, emit};
 use mdl_jit::material::Part;
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         let signature = Signature::varying(&program.module, handle);
         emit(program, handle, &signature, &options, args.form).map_err(failed)?
     } else {
-        let material = compile(&session, &args.target, &args.arguments)?;
+        let material = open_material(&session, &args.target, &args.arguments)?;
         let part = match args.part {
             PartName::Cutout => Part::Cutout,
             PartName::Normal => Part::Normal,

@@ -1,9 +1,11 @@
 //! `lacquer eval`: a function of values, at one point or over a grid of texture coordinates.
 
-use super::{Assignment, Fail, SearchPaths, Target, json, open, parse_size};
+use super::{Assignment, Fail, SearchPaths, Target, json, open, parse_size, write_file};
 use lacquer::{Error, Function};
 use mdl_jit::Executor;
+use renderer::images::{FloatImage, write_exr};
 use serde_json::json;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 /// Arguments of `eval`.
@@ -79,7 +81,8 @@ fn grid(
     (width, height): (u32, u32),
     output: &std::path::Path,
 ) -> Result<(), Fail> {
-    let pixels = function.grid(executor, width, height)?;
-    let _ = (output, pixels);
-    Ok(())
+    let image = FloatImage { width, height, pixels: function.grid(executor, width, height)? };
+    let mut to = Cursor::new(Vec::new());
+    write_exr(&image, &mut to).map_err(|e| Error::Setting(format!("{}: {e}", output.display())))?;
+    Ok(write_file(output, &to.into_inner())?)
 }

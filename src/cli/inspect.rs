@@ -1,6 +1,6 @@
 //! `lacquer inspect`: what a material is made of.
 
-use super::{Assignment, Fail, SearchPaths, Target, compile};
+use super::{Assignment, Fail, SearchPaths, Target, open_material};
 use mdl_frontend::graph::{NodeKind, Stage};
 use mdl_frontend::layout::ArgumentBlock;
 use mdl_jit::material::Part;
@@ -21,7 +21,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), Fail> {
     let session = args.search.session()?;
-    let material = compile(&session, &args.target, &args.arguments)?;
+    let material = open_material(&session, &args.target, &args.arguments)?;
     let mut text = String::new();
     describe(&material, &mut text).expect("writing to a string succeeds");
     print!("{text}");

@@ -1,11 +1,14 @@
 //! The commands: one file each. Results go to stdout, everything said beside them to stderr.
 
 mod bsdf;
+mod catalog;
 mod check;
 mod emit;
 mod eval;
 mod inspect;
 mod json;
+mod progress;
+mod render;
 
 use clap::{Parser, Subcommand};
 use lacquer::{Error, Material, Module, Session};
@@ -29,6 +32,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Render a material
+    Render(render::Args),
     /// Check modules and say what is wrong with them
     Check(check::Args),
     /// Show the graph, layout, stages and programs of a material
@@ -39,6 +44,8 @@ enum Command {
     Eval(eval::Args),
     /// Ask the BSDF of a material at a point (JSON)
     Bsdf(bsdf::Args),
+    /// Render all materials of a folder or of the built-in catalogue into a gallery
+    Catalog(catalog::Args),
 }
 
 /// Why a command failed.
@@ -60,11 +67,13 @@ impl From<Error> for Fail {
 /// Runs the command that the process was called with.
 pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Emit(args) => emit::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bsdf(args) => bsdf::run(&args),
+        Command::Catalog(args) => catalog::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -152,7 +161,11 @@ impl std::str::FromStr for Assignment {
 /// Opens the module of a target. Its errors are reported.
 fn open(session: &Session, target: &Target) -> Result<Module, Fail> {
     let module = match target.module.starts_with("::") {
-        true => session.import(&target.module)?,
+        true => session.import(&target.module).or_else(|error| match &target.name {
+            // What was taken for the export may have been meant as the module.
+            Some(name) => session.import(&format!("{}::{name}", target.module)).and(Err(error)),
+            None => Err(error),
+        })?,
         false => session.open(Path::new(&target.module))?,
     };
     if module.has_errors() {
@@ -170,9 +183,13 @@ fn report(module: &Module) {
     }
 }
 
+/// Opens the module of a target and compiles its material.
+fn open_material(session: &Session, target: &Target, assignments: &[Assignment]) -> Result<Material, Fail> {
+    compile(&open(session, target)?, target, assignments)
+}
+
 /// Compiles the material of a target, and passes on what the compiler warns of.
-fn compile(session: &Session, target: &Target, assignments: &[Assignment]) -> Result<Material, Fail> {
-    let module = open(session, target)?;
+fn compile(module: &Module, target: &Target, assignments: &[Assignment]) -> Result<Material, Fail> {
     let exported = module.materials();
     if let Some(name) = &target.name
         && !exported.iter().any(|material| *material.name == **name)
@@ -195,6 +212,35 @@ fn compile(session: &Session, target: &Target, assignments: &[Assignment]) -> Re
         eprintln!("warning: {warning}");
     }
     Ok(material)
+}
+
+/// All `.mdl` files below a folder, by path.
+fn modules_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut files = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        let io = |source| Error::Io { path: folder.clone(), source };
+        for entry in std::fs::read_dir(&folder).map_err(io)? {
+            let entry = entry.map_err(io)?;
+            let path = entry.path();
+            // Links to folders are not followed: they may lead in circles.
+            if entry.file_type().map_err(io)?.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "mdl") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Writes a file as a whole or not at all.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let io = |source| Error::Io { path: path.to_path_buf(), source };
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(io)
 }
 
 /// Three numbers: `X,Y,Z`.

@@ -64,8 +64,10 @@ pub fn prepare(
         let place = FileSpan { file: file.clone(), span: Span::default() };
         let Some(index) = signature.params.iter().position(|param| *param.name == **name) else {
             let similar = similar(name, signature.params.iter().map(|param| &*param.name));
-            let owner = signature.name.to_string();
-            diagnostics.push(problems::NoSuchParameter { name: name.to_string(), owner, similar }.at(place));
+            let (name, owner) = (name.to_string(), signature.name.to_string());
+            let parameters = signature.params.iter().map(|param| param.name.to_string()).collect();
+            let problem = problems::NoSuchParameter { name, owner, similar, parameters };
+            diagnostics.push(problem.at(FileSpan { file: "".into(), ..place }));
             continue;
         };
         match argument {

@@ -8,10 +8,11 @@ mod standard;
 pub use checked::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, standard_modules};
 
 use crate::build::{self, Argument};
+use crate::diagnostics::build::UnreadableResource;
 use crate::diagnostics::modules::{LoadFailed, NoSuchModule};
 use crate::diagnostics::{Diagnostic, Problem, similar};
 use crate::fold::{Folder, NoFolder};
-use crate::graph::{FunctionGraph, MaterialGraph, Mode};
+use crate::graph::{FunctionGraph, MaterialGraph, Mode, Resource};
 use crate::loader::{LoadError, LoadedSource, Loader, ModuleIdentity};
 use crate::sema::hir::Module;
 use crate::sema::ty::ModuleId;
@@ -21,6 +22,7 @@ use session::Session;
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// Compiles modules that a loader finds.
 ///
@@ -37,6 +39,7 @@ pub struct Compiler {
 struct State {
     ids: HashMap<String, ModuleId>,
     modules: HashMap<ModuleId, Checked>,
+    parse_time: Duration,
 }
 
 /// A checked module with what it was checked from.
@@ -61,6 +64,13 @@ impl Failure {
     /// The text of a file that a diagnostic refers to.
     pub fn source(&self, file: &str) -> Option<Arc<str>> {
         self.sources.iter().find(|(name, _)| **name == *file).map(|(_, text)| text.clone())
+    }
+
+    /// That a file which `resource` names cannot be used; `source` is the text that names it.
+    pub fn unreadable(resource: &Resource, reason: String, source: Option<Arc<str>>) -> Self {
+        let problem = UnreadableResource { path: resource.written.to_string(), reason };
+        let sources = source.into_iter().map(|text| (resource.span.file.clone(), text)).collect();
+        Self { diagnostics: vec![problem.at(resource.span.clone())], sources }
     }
 
     /// A single error that has no place in any text.
@@ -147,6 +157,15 @@ impl Compiler {
         args: &[(&str, Argument)],
     ) -> Result<FunctionGraph, Failure> {
         build::function_graph(self, module, name, mode, args)
+    }
+
+    /// Time spent on turning text into syntax trees so far.
+    pub fn parse_time(&self) -> Duration {
+        self.state().parse_time
+    }
+
+    pub(crate) fn add_parse_time(&self, time: Duration) {
+        self.state().parse_time += time;
     }
 
     /// Forgets all modules, such as when resources have come or gone.

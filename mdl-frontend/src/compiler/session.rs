@@ -10,6 +10,7 @@ use crate::span::Span;
 use crate::syntax;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// One run over a module and its imports, in which every module is loaded at most once.
 pub struct Session<'c> {
@@ -64,7 +65,9 @@ impl<'c> Session<'c> {
                 return cached;
             }
         }
+        let start = Instant::now();
         let syntax = Arc::new(syntax::parse_module(text, &mut sink));
+        self.compiler.add_parse_time(start.elapsed());
         let requests = sema::requests(&syntax);
         let imports: Arc<[_]> = self.imports(&name, &identity, syntax.version, &requests, &mut sink).into();
         let world = world(imports.iter().flatten());

@@ -21,9 +21,9 @@ diagnostics! {
         help(did_you_mean(similar));
 
     /// An argument for a parameter that does not exist.
-    E0904 NoSuchParameter { name: String, owner: String, similar: Option<String> }
+    E0904 NoSuchParameter { name: String, owner: String, similar: Option<String>, parameters: Vec<String> }
         "`{owner}` has no parameter `{name}`"
-        help(did_you_mean(similar));
+        help(did_you_mean(similar).or_else(|| parameters_are(&parameters)));
 
     /// A parameter without a default got no argument.
     E0905 ArgumentRequired { name: String, owner: String } "`{owner}` needs an argument for `{name}`";
@@ -44,4 +44,15 @@ diagnostics! {
 
     /// A function that has no value an executor could compute.
     E0910 NotAFunctionOfValues { name: String, ty: String } "`{name}` has result `{ty}`, which is no value to compute";
+
+    /// A file that the source refers to is there and cannot be used.
+    E0911 UnreadableResource { path: String, reason: String } "cannot use `{path}`: {reason}";
+}
+
+fn parameters_are(names: &[String]) -> Option<String> {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match quoted.is_empty() {
+        true => Some("it has no parameters".to_string()),
+        false => Some(format!("its parameters are {}", quoted.join(", "))),
+    }
 }
