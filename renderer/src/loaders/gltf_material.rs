@@ -10,20 +10,21 @@ use std::f32::consts::PI;
 const IOR: f32 = 1.5;
 
 /// A dielectric is a Fresnel-weighted GGX layer over a Lambertian base, a metal a GGX lobe of Schlick's
-/// curve; partial metals are mixtures of both. Textures are left out with a note: of what they scale, only
-/// the factors of colours remain.
+/// curve; partial metals are mixtures of both. Textures are left out with a note.
 pub(super) fn material(m: &Material<'_>, notes: &mut Vec<String>) -> ConstantMaterial {
     let name = m.name().unwrap_or(if m.index().is_none() { "default" } else { "unnamed" }).to_string();
     let pbr = m.pbr_metallic_roughness();
     let [r, g, b, alpha] = pbr.base_color_factor();
-    let color = [r, g, b];
+    let mut color = [r, g, b];
     let (mut metallic, mut roughness) = (pbr.metallic_factor(), pbr.roughness_factor());
     let mut left_out = Vec::new();
     if pbr.base_color_texture().is_some() {
-        left_out.push("colour");
+        // Factors beside a texture are mostly 1, which would make everything as white as can be.
+        color = color.map(|c| 0.5 * c);
+        left_out.push("colour (taken as half the factor)");
     }
     if pbr.metallic_roughness_texture().is_some() {
-        // Factors beside a texture are mostly 1, which would make everything a rough metal.
+        // As above: everything would be a rough metal.
         (metallic, roughness) = (0.0, 0.5 * roughness);
         left_out.push("metallic and roughness (taken as dielectric, half as rough)");
     }
