@@ -123,9 +123,8 @@ fn run(code: &Code, executor: Executor<'_>, tree: &Tree<f32>) -> Rows {
     let mut at: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
     at.push(Input::U32(p.flags));
     let pairs = directions();
-    let column = |pick: &dyn Fn(&([f32; 3], [f32; 3])) -> f32| pairs.iter().map(pick).collect::<Vec<f32>>();
-    let wo = [0, 1, 2].map(|axis| column(&|pair| pair.0[axis]));
-    let wi = [0, 1, 2].map(|axis| column(&|pair| pair.1[axis]));
+    let wo: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(wo, _)| wo[axis]).collect());
+    let wi: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(_, wi)| wi[axis]).collect());
     let (wo, wi) = (wo.each_ref().map(Vec::as_slice), wi.each_ref().map(Vec::as_slice));
     let args = vec![
         Argument::Words(&words),

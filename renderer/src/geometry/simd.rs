@@ -1,6 +1,6 @@
 //! [`Lanes`] in AVX registers, and the entry points that run the traversal with them.
 //!
-//! The only module of this crate with `unsafe` code. Invariant of all of it: [`Avx`] is a private type whose
+//! The only module of this crate with `unsafe` code. Invariant of all of it: `Avx` is a private type whose
 //! values are made and used inside functions that have `#[target_feature(enable = "avx2")]`, and those are
 //! called only after [`available`] was true.
 #![allow(unsafe_code, reason = "intrinsics and functions for features that are detected at run time")]
@@ -99,28 +99,28 @@ impl Lanes for Avx {
     }
 }
 
-/// As [`Accel::closest_with`].
+/// As `Accel::closest_with`.
 pub fn closest(accel: &Accel, ray: Ray, filter: Filter, stack: &mut Stack) -> Hit {
     assert!(available());
     // SAFETY: the feature was detected.
     unsafe { closest_avx2(accel, ray, filter, stack) }
 }
 
-/// As [`Accel::occluded_with`].
+/// As `Accel::occluded_with`.
 pub fn occluded(accel: &Accel, ray: Ray, filter: Filter, stack: &mut Stack) -> bool {
     assert!(available());
     // SAFETY: the feature was detected.
     unsafe { occluded_avx2(accel, ray, filter, stack) }
 }
 
-/// As [`Accel::closest_batch_with`].
+/// As `Accel::closest_batch_with`.
 pub fn closest_batch(accel: &Accel, rays: &RayBatch, rows: &[u32], hits: &mut HitBatch, stack: &mut Stack) {
     assert!(available());
     // SAFETY: the feature was detected.
     unsafe { closest_batch_avx2(accel, rays, rows, hits, stack) }
 }
 
-/// As [`Accel::occluded_batch_with`].
+/// As `Accel::occluded_batch_with`.
 pub fn occluded_batch(
     accel: &Accel,
     rays: &RayBatch,
