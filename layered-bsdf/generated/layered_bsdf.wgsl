@@ -302,29 +302,39 @@ fn math_log2_pair(bits: u32) -> vec2f {
 
 fn math_pow(x: f32, y: f32) -> f32 {
     let a = abs(x);
-    let bits = bitcast<u32>(a);
-    let pair = math_log2_pair(bits);
-    let one = ((a == 1.0) || (y == 0.0));
-    let finite = select((pair.x + pair.y), math_from_bits(4286578688u), (a < MATH_MIN_NORMAL));
-    let log = select(select(finite, a, (bits >= 2139095040u)), 0.0, one);
-    let e = select(y, 0.0, one);
+    let pair = math_log2_pair(bitcast<u32>(a));
+    let log = (pair.x + pair.y);
+    let below = select(y, 1.0e30, (y > 1.0e30));
+    let e = select(below, -1.0e30, (below < -1.0e30));
     let t = (e * log);
-    let above = select(t, 200.0, (t > 200.0));
-    let c = select(above, -200.0, (above < -200.0));
+    let low = select(t, 200.0, (t > 200.0));
+    let c = select(low, -200.0, (low < -200.0));
     let n = (bitcast<i32>((c + MATH_ROUND)) - bitcast<i32>(MATH_ROUND_BITS));
     let eh = math_head(e);
     let f = (((eh * pair.x) - f32(n)) + ((eh * pair.y) + ((e - eh) * log)));
-    let near = math_scale(math_exp2_core(select(f, 0.0, one)), n);
-    let large = select(near, math_from_bits(2139095040u), (t > 160.0));
-    let small = select(large, 0.0, (t < -160.0));
-    let positive = select(small, t, (t != t));
+    let f1 = select(f, 1.0, (f > 1.0));
+    let f2 = select(f1, -1.0, (f1 < -1.0));
+    let finite = math_scale(math_exp2_core(f2), n);
+    let infinity = math_from_bits(2139095040u);
+    let grows = ((y > 0.0) == (a > 1.0));
+    let edge = select(finite, select(0.0, infinity, grows), ((a < MATH_MIN_NORMAL) || (a == infinity)));
+    let known = select(edge, (x + y), ((x != x) || (y != y)));
+    let positive = select(known, 1.0, ((a == 1.0) || (y == 0.0)));
+    var result: f32 = positive;
+    if ((bitcast<u32>(x) & 2147483648u) != 0u) {
+        result = math_pow_negative(x, y, positive);
+    }
+    return result;
+}
+
+fn math_pow_negative(x: f32, y: f32, r: f32) -> f32 {
     let whole = i32(y);
     let integer = ((f32(whole) == y) || (abs(y) >= 8388608.0));
     let odd = ((integer && ((whole & 1i) != 0i)) && (abs(y) < 16777216.0));
-    let sign = select(0u, (bitcast<u32>(x) & 2147483648u), odd);
-    let root = (((x <= -MATH_MIN_NORMAL) && !integer) && (bits < 2139095040u));
-    let signed = bitcast<f32>((bitcast<u32>(positive) ^ sign));
-    return select(signed, math_from_bits(2143289344u), (root && (y != 0.0)));
+    let signed = bitcast<f32>((bitcast<u32>(r) ^ select(0u, 2147483648u, odd)));
+    let finite = ((bitcast<u32>(x) & 2147483647u) < 2139095040u);
+    let root = ((((x <= -MATH_MIN_NORMAL) && finite) && !integer) && (y != 0.0));
+    return select(signed, math_from_bits(2143289344u), root);
 }
 
 fn math_rsqrt(x: f32) -> f32 {

@@ -38,7 +38,7 @@ pub mod code {
     pub const OP_DIFFUSE_TRANSMISSION: u32 = 2;
     /// Specular: tint.
     pub const OP_SPECULAR: u32 = 3;
-    /// GGX microfacets: tint, roughness u and v, [tangent].
+    /// GGX microfacets: tint, roughness u and v, tangent if flagged.
     pub const OP_GGX_SMITH: u32 = 4;
     /// Tint of one child: colour, [colour for transmission].
     pub const OP_TINT: u32 = 16;
@@ -46,14 +46,14 @@ pub mod code {
     pub const OP_SCALE: u32 = 17;
     /// Tint by direction: colour at normal incidence, at grazing incidence, exponent, [colour at 82°].
     pub const OP_DIRECTIONAL_FACTOR: u32 = 18;
-    /// Layer by weight: importances, weight, [normal].
+    /// Layer by weight: importances, weight, normal if flagged.
     pub const OP_WEIGHTED_LAYER: u32 = 32;
-    /// Layer by Fresnel's equations: importances, weight, index of refraction (one), [normal].
+    /// Layer by Fresnel's equations: importances, weight, index of refraction (one), normal if flagged.
     pub const OP_FRESNEL_LAYER: u32 = 33;
-    /// Layer by Fresnel's equations: importances, weight, index of refraction (three), [normal].
+    /// Layer by Fresnel's equations: importances, weight, index of refraction (three), normal if flagged.
     pub const OP_COLOR_FRESNEL_LAYER: u32 = 34;
     /// Layer by Schlick's curve: importances, weight, reflectivity at normal and grazing incidence,
-    /// exponent, [normal], [colour at 82°].
+    /// exponent, normal if flagged, [colour at 82°].
     pub const OP_CUSTOM_CURVE_LAYER: u32 = 35;
     /// Diffuse emission; no parameters.
     pub const OP_DIFFUSE_EDF: u32 = 64;
