@@ -101,8 +101,10 @@ impl<'a> ModuleCx<'a> {
                 }
                 ItemKind::Using { names, .. } => {
                     let Some((request, module)) = resolved.next() else { return };
-                    if let Some(module) = module {
-                        self.using(item, names, request, module);
+                    self.lose_names(names, module.as_deref());
+                    match module {
+                        Some(module) => self.using(item, names, request, module),
+                        None => self.lose_module(request),
                     }
                 }
                 ItemKind::Module(_) | ItemKind::Error => continue,
@@ -147,7 +149,7 @@ impl<'a> ModuleCx<'a> {
             self.sink.emit(path.path.span, problems::ImportWithoutName { name });
             return;
         }
-        let Some(module) = module else { return };
+        let Some(module) = module else { return self.lose_module(request) };
         if path.star {
             self.qualify(request, module, None);
         } else if let Some(last) = idents.last()
@@ -189,6 +191,35 @@ impl<'a> ModuleCx<'a> {
                 visible.iter().for_each(|entity| self.export(&name, *entity));
             }
             self.qualify(request, module, Some(&name));
+        }
+    }
+
+    /// Remembers what a module would have supplied that was not found.
+    fn lose_module(&mut self, request: &ImportRequest) {
+        self.scope.lose_module(request.key());
+        let package = self.module.identity.package();
+        let up = match request.start {
+            PathStart::Absolute => package.len(),
+            PathStart::Weak => 0,
+            PathStart::Relative(up) => up as usize,
+        };
+        let package = &package[..package.len().saturating_sub(up)];
+        let absolute: Vec<&str> = package.iter().chain(&request.segments).map(String::as_str).collect();
+        self.scope.lose_module(absolute.join("::"));
+    }
+
+    /// Remembers the names without qualifier that a module would have supplied, which was not found or
+    /// has errors. No names stand for all.
+    fn lose_names(&mut self, names: &[ast::Ident], module: Option<&Module>) {
+        if module.is_some_and(|module| !module.has_errors()) {
+            return;
+        }
+        if names.is_empty() {
+            self.scope.lose_name(None);
+        }
+        for name in names {
+            let name = self.text(name.span);
+            self.scope.lose_name(Some(name));
         }
     }
 

@@ -118,6 +118,19 @@ impl<'a> Checker<'_, 'a> {
         self.lookup_in(path, false)
     }
 
+    /// Whether an annotation would be known, had all imports been found.
+    pub(super) fn is_lost_annotation(&self, path: ast::Path) -> bool {
+        match self.nodes.path(path).split_last() {
+            Some((last, [])) => self.m.scope.is_lost_name(self.name_of(*last)),
+            Some((_, modules)) => {
+                let key = self.module_key(modules);
+                let erroneous = |imported: &super::scope::ImportedModule| imported.module.has_errors();
+                self.m.scope.is_lost_module(&key) || self.m.scope.module(&key).is_some_and(erroneous)
+            }
+            None => false,
+        }
+    }
+
     /// What a path stands for as an annotation.
     pub(super) fn lookup_annotation(&mut self, path: ast::Path) -> Option<Vec<Entity>> {
         match self.lookup_in(path, true) {
@@ -169,8 +182,11 @@ impl<'a> Checker<'_, 'a> {
         None
     }
 
-    /// Whether a name occurs in what the parser skipped: its declaration may have been there.
+    /// Whether a name would be known, had the parser not skipped some text and all imports been found.
     pub(super) fn is_lost(&mut self, name: &str) -> bool {
+        if self.m.scope.is_lost_name(name) {
+            return true;
+        }
         // Searching is slow, and by now nobody reads what is wrong with yet another name.
         const SEARCHES: u32 = 1000;
         self.m.lost_searches += 1;
@@ -200,6 +216,9 @@ impl<'a> Checker<'_, 'a> {
         let Some(imported) = self.m.scope.module(&key) else {
             if self.m.module.identity.name().trim_start_matches("::") == key {
                 return self.unqualified(name, path.span, annotation);
+            }
+            if self.m.scope.is_lost_module(&key) {
+                return None;
             }
             self.report_unknown_module(&key, path.span, annotation);
             return None;

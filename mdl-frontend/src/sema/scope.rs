@@ -20,6 +20,20 @@ pub struct ModuleScope {
     paths: Vec<String>,
     /// Names in order of declaration, for suggestions.
     order: Vec<Arc<str>>,
+    /// Names that modules would supply which were not found or have errors.
+    lost: LostImports,
+}
+
+/// What imports would have supplied, had their modules been found and been without errors. A use of it
+/// causes no further error.
+#[derive(Default)]
+struct LostImports {
+    /// Paths of modules, such as `a::b`.
+    modules: HashSet<String>,
+    /// Names without qualifier.
+    names: HashSet<String>,
+    /// Any name without qualifier.
+    all: bool,
 }
 
 /// What one name stands for.
@@ -119,6 +133,29 @@ impl ModuleScope {
             Some(name) => _ = imported.names.insert(name.clone()),
             None => imported.all = true,
         }
+    }
+
+    /// Remembers that a module would be used under this path.
+    pub fn lose_module(&mut self, path: String) {
+        self.lost.modules.insert(path);
+    }
+
+    /// Remembers that a name without qualifier would have been imported; `None` stands for all names.
+    pub fn lose_name(&mut self, name: Option<&str>) {
+        match name {
+            Some(name) => _ = self.lost.names.insert(name.to_string()),
+            None => self.lost.all = true,
+        }
+    }
+
+    /// Whether an import that failed would have supplied the module under this path.
+    pub fn is_lost_module(&self, path: &str) -> bool {
+        self.lost.modules.contains(path)
+    }
+
+    /// Whether an import that failed may have supplied a name without qualifier.
+    pub fn is_lost_name(&self, name: &str) -> bool {
+        self.lost.all || self.lost.names.contains(name)
     }
 
     /// The imported module that is used under this path.
