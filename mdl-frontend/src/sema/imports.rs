@@ -179,18 +179,33 @@ impl<'a> ModuleCx<'a> {
                 wanted.extend(names.into_iter().map(|name| (name, ident.span)));
             }
         }
+        let mut clashes: Vec<(Arc<str>, Span, Span)> = Vec::new();
         for (name, span) in wanted {
             let entities = module.exports.get(&name).map_or(&[][..], |entities| entities);
             let visible: Vec<Entity> =
                 entities.iter().copied().filter(|entity| self.is_visible(*entity)).collect();
             if let Some(taken) = self.scope.import(&name, &visible, module, span) {
-                let first = self.sink.place(taken.span);
-                let (name, module) = (name.to_string(), module.identity.name());
-                self.sink.emit(span, problems::ImportClash { name, module, first });
+                clashes.push((name.clone(), span, taken.span));
             } else if item.exported {
                 visible.iter().for_each(|entity| self.export(&name, *entity));
             }
             self.qualify(request, module, Some(&name));
+        }
+        self.report_clashes(&clashes, module);
+    }
+
+    /// Reports names that another module supplies already: each that was asked for, or all at once.
+    fn report_clashes(&mut self, clashes: &[(Arc<str>, Span, Span)], module: &Module) {
+        let mut rest = clashes;
+        while let Some((name, span, first)) = rest.first() {
+            let same = rest.iter().take_while(|(_, other, _)| other == span).count();
+            let name = match same {
+                1 => format!("`{name}`"),
+                _ => format!("`{name}` and {} more", same - 1),
+            };
+            let first = self.sink.place(*first);
+            self.sink.emit(*span, problems::ImportClash { name, module: module.identity.name(), first });
+            rest = &rest[same..];
         }
     }
 
