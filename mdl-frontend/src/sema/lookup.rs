@@ -87,6 +87,9 @@ impl<'a> ModuleCx<'a> {
 
     /// Where the module declares a name further down.
     fn declared_later(&self, name: &str) -> Option<Span> {
+        if let Some(later) = &self.later {
+            return later.get(name).copied();
+        }
         let declared = |item: &'a ast::Item| match &item.kind {
             ast::ItemKind::Function(function) => Some(function.name),
             ast::ItemKind::Struct { name, .. } | ast::ItemKind::Enum { name, .. } => Some(*name),
