@@ -119,7 +119,10 @@ diagnostics! {
     /// The name of a resource must be a string literal.
     E0430 ResourceNotLiteral { ty: String } "the file of a `{ty}` must be a string literal";
 
-    /// A resource that is given as an argument does not exist.
+    /// A resource does not exist.
+    ///
+    /// Fix: correct the path, or add the file. It is relative to the module, or to the search root if it
+    /// starts with `/`.
     E0431 ResourceNotFound { path: String } "no file `{path}` is found";
 
     /// A resource path is not allowed.
@@ -150,13 +153,6 @@ diagnostics! {
 
     /// A resource with an empty path. It is the invalid reference, as if nothing was given.
     W0407 EmptyResourcePath { ty: String } "empty path makes an invalid `{ty}`" help(format!("write `{ty}()` if that is meant"));
-
-    /// A file does not exist. The material compiles without it, as with an invalid texture.
-    ///
-    /// Fix: correct the path, or add the file. It is relative to the module, or to the search root if it
-    /// starts with `/`.
-    W0408 MissingResource { path: String, help: Option<String> } "no file `{path}` is found, nothing is used instead"
-        help(help);
 
     /// A field of a struct was probably meant, which exists under a similar name.
     W0406 CategoryFieldDropped { name: String, to: String, similar: Option<String> }

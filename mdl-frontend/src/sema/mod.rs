@@ -112,8 +112,6 @@ pub struct ModuleCx<'a> {
     folder: &'a dyn Folder,
     loader: &'a dyn Loader,
     standard: bool,
-    /// What is checked comes from outside of the module, such as an argument on a command line.
-    outside: bool,
     module: Module,
     scope: ModuleScope,
     sink: Sink,
@@ -148,7 +146,6 @@ impl<'a> ModuleCx<'a> {
             folder: input.folder,
             loader: input.loader,
             standard: input.standard,
-            outside: false,
             module,
             scope: ModuleScope::default(),
             sink,
@@ -169,7 +166,6 @@ impl<'a> ModuleCx<'a> {
         self.adopt_names(module);
         // What imports have to say was said when the module was checked.
         self.sink = Sink::new(file);
-        self.outside = true;
     }
 
     /// The diagnostics.

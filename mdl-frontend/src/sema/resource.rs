@@ -94,13 +94,7 @@ impl<'a> Checker<'_, 'a> {
         let identity = self.m.module.identity.clone();
         let candidates = match candidates(written, &identity, self.m.module.version) {
             Ok(candidates) => candidates,
-            Err(BadPath::AboveRoot) if !self.m.outside => {
-                let help = Some("its path leads above the search root".to_string());
-                self.emit(span, problems::MissingResource { path: written.to_string(), help });
-                return None;
-            }
             Err(reason) => {
-                let reason = reason.to_string();
                 self.emit(span, problems::BadResourcePath { path: written.to_string(), reason });
                 return None;
             }
@@ -115,11 +109,7 @@ impl<'a> Checker<'_, 'a> {
                 }
             }
         }
-        let path = written.to_string();
-        match self.m.outside {
-            true => self.emit(span, problems::ResourceNotFound { path }),
-            false => self.emit(span, problems::MissingResource { path, help: None }),
-        }
+        self.emit(span, problems::ResourceNotFound { path: written.to_string() });
         None
     }
 }
@@ -142,22 +132,11 @@ fn kind(ty: Ty) -> ResourceKind {
     }
 }
 
-/// Why a path cannot be one of a resource.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-enum BadPath {
-    #[error("it contains `{0}`")]
-    Character(String),
-    #[error("it has an empty part")]
-    EmptyPart,
-    #[error("it leads above the search root")]
-    AboveRoot,
-}
-
 /// Absolute paths that a path as written may mean, in order of preference.
-fn candidates(written: &str, from: &ModuleIdentity, version: Version) -> Result<Vec<String>, BadPath> {
+fn candidates(written: &str, from: &ModuleIdentity, version: Version) -> Result<Vec<String>, String> {
     if let Some(c) = written.chars().find(|c| matches!(c, ':' | '\\') || c.is_control()) {
         let c = if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
-        return Err(BadPath::Character(c));
+        return Err(format!("it contains `{c}`"));
     }
     if let Some(absolute) = written.strip_prefix('/') {
         return Ok(vec![normalised(&[], absolute)?]);
@@ -171,14 +150,14 @@ fn candidates(written: &str, from: &ModuleIdentity, version: Version) -> Result<
 }
 
 /// A path below a package without `.` and `..`.
-fn normalised(package: &[String], path: &str) -> Result<String, BadPath> {
+fn normalised(package: &[String], path: &str) -> Result<String, String> {
     let mut parts: Vec<&str> = package.iter().map(String::as_str).collect();
     for part in path.split('/') {
         match part {
             "." => {}
-            "" => return Err(BadPath::EmptyPart),
+            "" => return Err("it has an empty part".to_string()),
             ".." => {
-                parts.pop().ok_or(BadPath::AboveRoot)?;
+                parts.pop().ok_or("it leads above the search root")?;
             }
             part => parts.push(part),
         }
@@ -194,7 +173,7 @@ mod tests {
         let from = ModuleIdentity::new("::a::b::m", "m.mdl", "root");
         let found = candidates(written, &from, Version::new(1, 6));
         let expected = expected.map(|paths| paths.iter().map(|path| path.to_string()).collect());
-        assert_eq!(found.map_err(|bad| bad.to_string()), expected.map_err(str::to_string), "{written}");
+        assert_eq!(found, expected.map_err(str::to_string), "{written}");
     }
 
     #[test]
