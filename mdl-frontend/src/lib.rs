@@ -33,7 +33,9 @@
 mod build;
 mod compiler;
 pub mod diagnostics;
+pub mod doc;
 pub mod fold;
+pub mod format;
 pub mod graph;
 pub mod layout;
 mod limits;
