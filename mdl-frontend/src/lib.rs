@@ -32,6 +32,7 @@
 
 mod build;
 mod compiler;
+pub mod container;
 pub mod diagnostics;
 pub mod doc;
 pub mod fold;
