@@ -155,7 +155,7 @@ impl Material {
         if let Some(textures) = self.textures.get() {
             return Ok(textures.clone());
         }
-        let textures = Arc::new(Textures::load([self])?);
+        let textures = Arc::new(Textures::load([(&self.module, self.resources())])?);
         Ok(self.textures.get_or_init(|| textures).clone())
     }
 
