@@ -46,6 +46,7 @@ pub fn layout(text: &str, pieces: &[Piece]) -> Vec<Op> {
         cast: 0,
         header: None,
         in_label: false,
+        second_bracket: None,
     };
     let mut gap = Gap::None;
     for at in 0..pieces.len() {
@@ -68,6 +69,8 @@ struct Layout<'t> {
     header: Option<T>,
     /// Behind `case` or `default`, before the `:`.
     in_label: bool,
+    /// The second `]` of the last `]]`.
+    second_bracket: Option<usize>,
 }
 
 impl Layout<'_> {
@@ -147,18 +150,10 @@ impl Layout<'_> {
             T::RightParen | T::RightBrace | T::RightDeferred => self.within.len() > 1,
             T::RightBracket => match self.within.last() {
                 Some(Within::Annotations) => self.token(at + 1) == T::RightBracket,
-                _ => self.within.len() > 1 && !self.ends_annotations(at),
+                _ => self.within.len() > 1 && self.second_bracket != Some(at),
             },
             _ => false,
         }
-    }
-
-    /// Whether a token is the second `]` of `]]`.
-    fn ends_annotations(&self, at: usize) -> bool {
-        at > 0
-            && self.token(at - 1) == T::RightBracket
-            && self.pieces[at - 1].span.end == self.pieces[at].span.start
-            && self.within.last() != Some(&Within::Index)
     }
 
     fn is_empty(&self, at: usize) -> bool {
@@ -210,11 +205,17 @@ impl Layout<'_> {
         self.ops.push(Op::Dedent);
         let empty = at > 0 && self.is_empty(at - 1);
         match self.token(at) {
+            T::RightBracket if empty && within == Some(Within::Annotations) => {
+                self.second_bracket = Some(at + 1)
+            }
             _ if empty => {}
             T::RightBrace if !self.closes_enum(at) => self.ops.push(Op::Hard(false)),
             T::RightBrace => self.ops.push(Op::Soft(true)),
             T::RightParen => self.ops.push(Op::Soft(false)),
-            T::RightBracket if within == Some(Within::Annotations) => self.ops.push(Op::Soft(true)),
+            T::RightBracket if within == Some(Within::Annotations) => {
+                self.second_bracket = Some(at + 1);
+                self.ops.push(Op::Soft(true));
+            }
             _ => {}
         }
         self.ops.push(Op::Close);

@@ -28,6 +28,8 @@ fn blanks_are_normal() {
         "int f() = operator+(x: 1, y: operator[](a, 1)) + cast<int[2]>(x)[a[1]];\n",
     );
     check("float f(float [ < N > ] a)=a [0].x ;", "float f(float[<N>] a) = a[0].x;\n");
+    check("float f() [[ ] ] = a[b[0] ];", "float f() [[]] = a[b[0]];\n");
+    check("float f(float x [[ a(b[1] ) ] ] , int i) = 1;", "float f(float x [[ a(b[1]) ]], int i) = 1;\n");
     check("material m( * )=base ( ) ;", "material m(*) = base();\n");
     check("bool f()=! a&&~ b==0;", "bool f() = !a && ~b == 0;\n");
 }
