@@ -126,6 +126,38 @@ fn cyclic_imports_and_missing_textures_are_errors() {
 }
 
 #[test]
+fn formatting_is_canonical_and_keeps_comments() {
+    let folder = Folder::new("format");
+    let file = folder.write("a.mdl", "mdl 1.7 ;\nexport float f( float x ){ // why\nreturn x ;}");
+    fails(&["fmt", "--check", path(&file)], 1, &["1 would change"]);
+    let output = lacquer(&["fmt", path(&folder.0)]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let formatted = std::fs::read_to_string(&file).expect("it is still there");
+    assert_eq!(formatted, "mdl 1.7;\nexport float f(float x) { // why\n    return x;\n}\n");
+    assert_eq!(lacquer(&["fmt", "--check", path(&file)]).status.code(), Some(0));
+    let broken = folder.write("b.mdl", "mdl 1.7; export float f( {");
+    fails(&["fmt", path(&broken)], 1, &["b.mdl:1", "E0104"]);
+}
+
+#[test]
+fn pages_are_written_from_annotations() {
+    let folder = Folder::new("pages");
+    let file = folder.write(
+        "wood.mdl",
+        "mdl 1.7;\nimport ::anno::*;\nexport material oak(float age = 3.0 [[ anno::hard_range(0.0, 9.0) ]])\n    \
+         [[ anno::description(\"Old oak.\") ]] = material();\n",
+    );
+    let output = lacquer(&["doc", path(&file)]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    for part in ["# ::wood", "### oak", "Old oak.", "| `age` | `float` | `3.0` | 0 to 9 |"] {
+        assert!(text(&output.stdout).contains(part), "{part} is not in\n{}", text(&output.stdout));
+    }
+    let pages = folder.0.join("pages");
+    assert_eq!(lacquer(&["doc", path(&file), "-o", path(&pages)]).status.code(), Some(0));
+    assert!(pages.join("wood.md").exists());
+}
+
+#[test]
 fn clean_modules_have_status_zero_and_warnings_can_be_denied() {
     let folder = Folder::new("clean");
     let file = folder.write("fine.mdl", "mdl 1.7;\nexport float f(float unused_one) { return 1.0; }\n");

@@ -3,8 +3,10 @@
 mod bsdf;
 mod catalog;
 mod check;
+mod doc;
 mod emit;
 mod eval;
+mod fmt;
 mod inspect;
 mod json;
 mod progress;
@@ -36,6 +38,10 @@ enum Command {
     Render(render::Args),
     /// Check modules and say what is wrong with them
     Check(check::Args),
+    /// Write modules in canonical form
+    Fmt(fmt::Args),
+    /// Write a page per module from its annotations (Markdown)
+    Doc(doc::Args),
     /// Show the graph, layout, stages and programs of a material
     Inspect(inspect::Args),
     /// Print the code of a material or function
@@ -69,6 +75,8 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Fmt(args) => fmt::run(&args),
+        Command::Doc(args) => doc::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Emit(args) => emit::run(&args),
         Command::Eval(args) => eval::run(&args),
