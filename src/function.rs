@@ -1,6 +1,8 @@
 //! A compiled function of values.
 
 use crate::error::Error;
+use crate::session::Module;
+use crate::textures::Textures;
 use mdl_frontend::graph::FunctionGraph;
 use mdl_frontend::value::Value;
 use mdl_jit::material::Runtime;
@@ -27,16 +29,20 @@ pub struct Function {
     name: String,
     code: CompiledFunction,
     arguments: Vec<Value>,
+    /// Numbered as the resources of the graph are.
+    textures: TextureTable,
 }
 
 impl Function {
-    pub(crate) fn new(graph: &FunctionGraph) -> Result<Self, Error> {
+    pub(crate) fn new(module: &Module, graph: &FunctionGraph) -> Result<Self, Error> {
         let name = graph.name.to_string();
+        let textures = Textures::load([(module, &graph.graph.resources[..])])?;
+        debug_assert!(textures.numbers[0].iter().enumerate().all(|(i, n)| i == *n as usize));
         let zero = |ty| Value::zero(&graph.graph.types, ty);
         let parameters = graph.graph.parameters.iter();
         let arguments = parameters.map(|p| p.default.clone().unwrap_or_else(|| zero(p.ty))).collect();
         let code = CompiledFunction::new(graph).map_err(failed(&name))?;
-        Ok(Self { name, code, arguments })
+        Ok(Self { name, code, arguments, textures: textures.table })
     }
 
     /// Name of the type of the result.
@@ -87,9 +93,8 @@ impl Function {
                 state.set(StateField::ObjectId, index, [0.0]);
             }
         }
-        let textures = TextureTable::new(&[]).map_err(|e| Error::Setting(e.to_string()))?;
-        let runtime =
-            Runtime { textures: &textures, transforms: &crate::probe::IDENTITY, animation_time: 0.0 };
+        let transforms = &crate::probe::IDENTITY;
+        let runtime = Runtime { textures: &self.textures, transforms, animation_time: 0.0 };
         self.code.run(executor, &self.arguments, &state, &runtime).map_err(failed(&self.name))
     }
 }

@@ -4,6 +4,7 @@
 //! [`Module`] exports materials and functions; a [`Material`] is compiled, its arguments can be edited, its
 //! BSDF evaluated at a point ([`Material::at`]), and it can be put into a [`Scene`] and rendered.
 
+pub mod costs;
 pub mod error;
 pub mod function;
 pub mod loader;
@@ -13,6 +14,7 @@ pub mod scene;
 pub mod session;
 mod textures;
 
+pub use costs::Costs;
 pub use error::Error;
 pub use function::Function;
 pub use material::Material;

@@ -111,7 +111,8 @@ impl Scene {
 
     /// The materials by slot, and their textures.
     fn materials(&self) -> Result<(Vec<Arc<mdl_jit::material::Material>>, Textures), Error> {
-        let textures = Textures::load(self.assigned.iter().flatten())?;
+        let assigned = self.assigned.iter().flatten();
+        let textures = Textures::load(assigned.map(|material| (material.module(), material.resources())))?;
         let mut numbers = textures.numbers.iter();
         let mut materials = Vec::new();
         for (own, assigned) in self.own.iter().zip(&self.assigned) {

@@ -196,7 +196,7 @@ impl Module {
         let arguments: Vec<(&str, Argument)> =
             arguments.iter().map(|(name, text)| (*name, Argument::from(*text))).collect();
         let graph = self.session.compiler().function_graph(&self.checked, name, Mode::Class, &arguments)?;
-        Function::new(&graph)
+        Function::new(self, &graph)
     }
 
     /// Errors of the module as an error.

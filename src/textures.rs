@@ -1,7 +1,7 @@
 //! Texture files of materials, in the form that the executors look up.
 
 use crate::error::Error;
-use crate::material::Material;
+use crate::session::Module;
 use mdl_frontend::Failure;
 use mdl_frontend::graph::{GammaMode, Resource, ResourceKind};
 use mdl_jit::texture::{Image, TextureTable};
@@ -9,29 +9,30 @@ use renderer::images::{Gamma, ImageLimits, TextureImage, load_texture};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The textures of several materials, each file once.
+/// The textures of several materials or functions, each file once.
 pub struct Textures {
     /// What the executors look up.
     pub table: TextureTable,
-    /// By material, then by resource of its graph: the number in the table.
+    /// By user, then by resource of its graph: the number in the table.
     pub numbers: Vec<Vec<u32>>,
 }
 
 impl Textures {
-    /// Loads what `materials` refer to. The error of a file names the place in the source.
-    pub fn load<'a>(materials: impl IntoIterator<Item = &'a Material>) -> Result<Self, Error> {
+    /// Loads the resources of `users`, each with the module whose text names them. The error of a file
+    /// names the place in the source.
+    pub fn load<'a>(users: impl IntoIterator<Item = (&'a Module, &'a [Resource])>) -> Result<Self, Error> {
         let mut keys: Vec<(Arc<str>, GammaMode)> = Vec::new();
         let mut images: Vec<TextureImage> = Vec::new();
         let mut numbers = Vec::new();
-        for material in materials {
+        for (module, resources) in users {
             let mut own = Vec::new();
-            for resource in material.resources() {
+            for resource in resources {
                 let key = (resource.path.clone(), resource.gamma);
                 let known = keys.iter().position(|other| *other == key);
                 let number = match known {
                     Some(number) => number,
                     None => {
-                        images.push(load(material, resource)?);
+                        images.push(load(module, resource)?);
                         keys.push(key);
                         images.len() - 1
                     }
@@ -46,9 +47,9 @@ impl Textures {
     }
 }
 
-fn load(material: &Material, resource: &Resource) -> Result<TextureImage, Error> {
+fn load(module: &Module, resource: &Resource) -> Result<TextureImage, Error> {
     let fail = |reason: String| -> Error {
-        let source = material.module().source(&resource.span.file);
+        let source = module.source(&resource.span.file);
         Failure::unreadable(resource, reason, source).into()
     };
     if resource.kind != ResourceKind::Texture2d {

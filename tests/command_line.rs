@@ -251,6 +251,18 @@ fn textures_are_found_read_and_blamed() {
     let good = folder.write("good.mdl", source("grey.png"));
     let output = lacquer(&render(path(&good), path(&out), &[]));
     assert!(output.status.success() && out.exists(), "{}", text(&output.stderr));
+    // And what functions and probes look up.
+    let function = format!(
+        "{HEADER}export float3 f() {{ return tex::lookup_float3(texture_2d(\"grey.png\", tex::gamma_linear), \
+         float2(0.5, 0.9)); }}\n"
+    );
+    let target = format!("{}::f", path(&folder.write("f.mdl", function)));
+    let output = lacquer(&["eval", &target]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert!(value["value"][0].as_f64().is_some_and(|x| x > 0.1 && x < 0.9), "{value}");
+    let output = lacquer(&["bsdf", path(&good), "--wo", "0,0,1", "albedo"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert!(value["albedo"][0].as_f64().is_some_and(|x| x > 0.01), "{value}");
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! `lacquer inspect`: what a material is made of.
 
 use super::{Assignment, Fail, SearchPaths, Target, open_material};
+use lacquer::{Material, Scene};
 use mdl_frontend::graph::{NodeKind, Stage};
 use mdl_frontend::layout::ArgumentBlock;
 use mdl_jit::material::Part;
+use renderer::needs::Needs;
 use std::fmt::Write;
 
 /// Arguments of `inspect`.
@@ -24,11 +26,15 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     let material = open_material(&session, &args.target, &args.arguments)?;
     let mut text = String::new();
     describe(&material, &mut text).expect("writing to a string succeeds");
+    let mut scene = Scene::ball();
+    scene.assign("material", &material)?;
+    needs(&scene.needs()?, &mut text).expect("writing to a string succeeds");
+    costs(&material, &mut text)?;
     print!("{text}");
     Ok(())
 }
 
-fn describe(material: &lacquer::Material, out: &mut String) -> std::fmt::Result {
+fn describe(material: &Material, out: &mut String) -> std::fmt::Result {
     let graph = &material.graph().graph;
     write!(out, "{}", material.graph())?;
     writeln!(out, "\narguments")?;
@@ -70,16 +76,37 @@ fn describe(material: &lacquer::Material, out: &mut String) -> std::fmt::Result 
             program(&emission.edf, out)?;
         }
     }
-    writeln!(out, "\nneeds")?;
-    for (need, on) in [
-        ("thin walls", shaded.thin_walled),
-        ("cutout", shaded.has_cutout()),
-        ("normal", shaded.has_normal()),
-        ("transmission", shaded.transmits()),
-        ("emission", shaded.emits()),
-    ] {
-        writeln!(out, "  {need}: {}", if on { "yes" } else { "no" })?;
+    Ok(())
+}
+
+/// What a renderer needs for it on the shader ball.
+fn needs(needs: &Needs, out: &mut String) -> std::fmt::Result {
+    writeln!(out, "\nneeds of the scene `ball`")?;
+    for need in &needs.rows {
+        match need.on {
+            true => writeln!(
+                out,
+                "  {:<17} yes, {:>2} bytes per path: {}",
+                need.feature.name(),
+                need.bytes_per_path,
+                need.why
+            )?,
+            false => writeln!(out, "  {:<17} no", need.feature.name())?,
+        }
     }
+    writeln!(out, "  {} bytes per path", needs.bytes_per_path)
+}
+
+/// What computing it costs on this machine, measured now.
+fn costs(material: &Material, out: &mut String) -> Result<(), Fail> {
+    let costs = material.measure()?;
+    let mut write = || {
+        writeln!(out, "\ncosts on one core of this machine")?;
+        writeln!(out, "  inputs  {:>7.1} ns per point, in batches of {}", costs.inputs_ns, costs.batch)?;
+        writeln!(out, "  eval    {:>7.1} ns", costs.eval_ns)?;
+        writeln!(out, "  sample  {:>7.1} ns", costs.sample_ns)
+    };
+    write().expect("writing to a string succeeds");
     Ok(())
 }
 
