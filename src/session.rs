@@ -29,7 +29,7 @@ impl Default for Session {
 }
 
 impl Session {
-    /// A session that finds the embedded packages, such as `::catalog`, and no files.
+    /// A session that finds the embedded modules, such as `::base` and those of `::catalog`, and no files.
     pub fn new() -> Self {
         let loader = FileLoader::default();
         let compiler = Arc::new(Compiler::new(loader.clone()).with_folder(InterpreterFolder));
@@ -96,7 +96,7 @@ impl Session {
     /// All modules of the embedded catalogue that export a material.
     pub fn catalogue(&self) -> Result<Vec<Module>, Error> {
         let modules: Result<Vec<Module>, Error> =
-            materials::modules().iter().map(|module| self.import(module.name)).collect();
+            materials::catalogue().map(|module| self.import(module.name)).collect();
         Ok(modules?.into_iter().filter(|module| !module.materials().is_empty()).collect())
     }
 

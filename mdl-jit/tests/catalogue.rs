@@ -21,7 +21,7 @@ fn compiler() -> Compiler {
 fn catalogue(mode: Mode) -> Vec<Material> {
     let compiler = compiler();
     let mut found = Vec::new();
-    for module in materials::modules() {
+    for module in materials::catalogue() {
         let checked = compiler.check(module.name).unwrap_or_else(|e| panic!("{}: {e}", module.name));
         let problems: Vec<_> = checked.diagnostics().iter().map(|d| format!("{d:?}")).collect();
         assert!(problems.is_empty(), "{}:\n{}", module.name, problems.join("\n"));

@@ -38,7 +38,10 @@ pub(super) fn finish(mut parts: Parts) -> Result<LoadedScene, String> {
     let environment = if parts.instances.iter().flat_map(|i| &i.materials).any(|&slot| used(slot)) {
         Environment::None
     } else {
-        parts.notes.push("nothing in the file emits light: a studio surrounds the scene".to_string());
+        parts.notes.push(
+            "nothing in the file emits light: a studio surrounds the scene unless it is given an environment"
+                .to_string(),
+        );
         Environment::map(crate::scenes::studio::studio(STUDIO_HEIGHT))
     };
     let description = SceneDescription {
