@@ -1,8 +1,8 @@
 //! Canonical formatting: the same tokens and comments, with other blanks between them.
 //!
-//! A module is read as tokens and comments, not as a tree, so that nothing can be lost. [`pieces`] brings
-//! both into one sequence, [`layout`] says where lines may break and what belongs together, and
-//! [`printer`] breaks what is too long, outermost brackets first.
+//! A module is read as tokens and comments, not as a tree, so that nothing can be lost. `pieces` brings
+//! both into one sequence, `layout` says where lines may break and what belongs together, and
+//! `printer` breaks what is too long, outermost brackets first.
 //!
 //! Does not: move, add or drop tokens, join or split comments, or sort imports. At the end the tokens are
 //! compared; a difference would be an error here, and gives the text back as it was.
