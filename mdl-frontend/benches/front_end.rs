@@ -23,7 +23,7 @@ fn best<T>(mut run: impl FnMut() -> T) -> Duration {
 fn report(stage: &str, time: Duration, lines: usize, bytes: usize) {
     let seconds = time.as_secs_f64();
     println!(
-        "{stage:<28} {:>9.3} ms {:>12.0} lines/s {:>8.1} MB/s",
+        "{stage:<32} {:>9.3} ms {:>12.0} lines/s {:>8.1} MB/s",
         seconds * 1e3,
         lines as f64 / seconds,
         bytes as f64 / seconds / 1e6
@@ -134,6 +134,24 @@ fn main() {
     let compiler = Compiler::new(loader());
     compiler.check_source(source());
     report("check again, unchanged", best(|| compiler.check_source(source())), lines, bytes);
+    for (place, part) in [("top", 0.0), ("middle", 0.5), ("end", 0.95)] {
+        let mut edited = String::from(&*text);
+        let from = (part * bytes as f64) as usize;
+        let at = from + edited[from..].find("return ").expect("a function with a body") + "return ".len();
+        let mut again = || {
+            // The line becomes longer each time, so that all behind it moves.
+            edited.insert_str(at, "0.0 + ");
+            let identity = ModuleIdentity::new("::large", "large.mdl", "bench");
+            LoadedSource { identity, bytes: edited.as_bytes().to_vec() }
+        };
+        let time = (0..20).map(|_| {
+            let source = again();
+            let start = Instant::now();
+            std::hint::black_box(compiler.check_source(source));
+            start.elapsed()
+        });
+        report(&format!("check again, edit at the {place}"), time.min().unwrap_or_default(), lines, bytes);
+    }
     if errors == 0 {
         let materials = checked.materials();
         let all = || {

@@ -32,8 +32,11 @@
 
 mod build;
 mod compiler;
+pub mod container;
 pub mod diagnostics;
+pub mod doc;
 pub mod fold;
+pub mod format;
 pub mod graph;
 pub mod layout;
 mod limits;

@@ -45,11 +45,11 @@ fn compile(compiler: &Compiler, module: &CheckedModule) -> Vec<&'static str> {
     codes
 }
 
-/// Fails if something takes longer than any real module would.
+/// Fails if something takes longer than any real module would, even on a machine with much else to do.
 fn soon<T>(what: &str, run: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = run();
-    assert!(start.elapsed() < Duration::from_secs(20), "{what} took {:?}", start.elapsed());
+    assert!(start.elapsed() < Duration::from_secs(60), "{what} took {:?}", start.elapsed());
     result
 }
 

@@ -84,7 +84,7 @@ impl CheckedModule {
         let mut sink = Sink::new(module.identity.file.clone());
         let syntax = Arc::new(syntax::parse_module(module.text.clone(), &mut sink));
         let imports = module.imports.iter().cloned().map(Some).collect();
-        Self::new(Checked { syntax, module, imports })
+        Self::new(Checked { syntax, module, imports, record: None })
     }
 
     pub(crate) fn module(&self) -> &Module {

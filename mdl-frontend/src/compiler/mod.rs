@@ -14,6 +14,7 @@ use crate::diagnostics::{Diagnostic, Problem, similar};
 use crate::fold::{Folder, NoFolder};
 use crate::graph::{FunctionGraph, MaterialGraph, Mode, Resource};
 use crate::loader::{LoadError, LoadedSource, Loader, ModuleIdentity};
+use crate::sema::Record;
 use crate::sema::hir::Module;
 use crate::sema::ty::ModuleId;
 use crate::span::{FileSpan, Span};
@@ -49,6 +50,8 @@ pub(crate) struct Checked {
     pub module: Arc<Module>,
     /// The modules behind its imports, in source order.
     pub imports: Arc<[Option<Arc<Module>>]>,
+    /// What helps to check it again after an edit.
+    pub record: Option<Arc<Record>>,
 }
 
 /// Why there is no result: errors, and the texts that they point into.

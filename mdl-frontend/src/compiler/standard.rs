@@ -67,7 +67,7 @@ fn check_all() -> HashMap<&'static str, Arc<Module>> {
             loader: &loader,
             standard: true,
         };
-        let module = Arc::new(sema::check(input, sink));
+        let module = Arc::new(sema::check(input, sink).0);
         world.insert(module.clone());
         modules.insert(name, module);
     }

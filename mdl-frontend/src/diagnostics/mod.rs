@@ -157,6 +157,22 @@ impl Sink {
         }
     }
 
+    /// What was added, in that order.
+    pub fn list(&self) -> &[Diagnostic] {
+        &self.list
+    }
+
+    /// Adds diagnostics of another run.
+    pub fn extend(&mut self, diagnostics: &[Diagnostic]) {
+        self.errors += diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
+        self.list.extend_from_slice(diagnostics);
+    }
+
+    /// Whether there is so much that something may have been dropped.
+    pub fn is_crowded(&self) -> bool {
+        self.list.len() >= limits::DIAGNOSTICS / 2
+    }
+
     /// Whether there are so many errors that further ones are dropped.
     pub fn is_full(&self) -> bool {
         self.errors >= limits::DIAGNOSTICS

@@ -32,7 +32,7 @@ diagnostics! {
 
     /// Two modules supply the same name without a qualifier.
     E0207 ImportClash { name: String, module: String, first: FileSpan }
-        "`{name}` of `{module}` is also imported from another module"
+        "{name} of `{module}` is also imported from another module"
         label(first, "first imported here")
         help("import one of them with `import` and use its qualified name");
 

@@ -120,6 +120,9 @@ diagnostics! {
     E0430 ResourceNotLiteral { ty: String } "the file of a `{ty}` must be a string literal";
 
     /// A resource does not exist.
+    ///
+    /// Fix: correct the path, or add the file. It is relative to the module, or to the search root if it
+    /// starts with `/`.
     E0431 ResourceNotFound { path: String } "no file `{path}` is found";
 
     /// A resource path is not allowed.

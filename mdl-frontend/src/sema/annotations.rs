@@ -38,6 +38,9 @@ impl<'a> Checker<'_, 'a> {
     fn annotation(&mut self, annotation: &ast::Annotation) -> Option<AnnotationUse> {
         let name = self.slice(annotation.name.span);
         let Some(entities) = self.lookup_annotation(annotation.name) else {
+            if self.is_lost_annotation(annotation.name) {
+                return None;
+            }
             let similar = self.similar_annotation(name);
             self.emit(annotation.name.span, problems::UnknownAnnotation { name: name.to_string(), similar });
             return None;

@@ -44,13 +44,16 @@ impl Checker<'_, '_> {
         self.convert(id, to)
     }
 
-    /// Converts an expression. Literals are converted at once, from their full precision.
+    /// Converts an expression that nobody asked to convert.
     pub(super) fn convert(&mut self, id: ExprId, to: Ty) -> ExprId {
         let span = self.body.expr(id).span;
-        self.convert_at(id, to, span)
+        let converted = self.convert_at(id, to, span);
+        self.lint_precision(id, converted, to, span);
+        converted
     }
 
-    /// Converts an expression by a constructor that stands at a place.
+    /// Converts an expression by a constructor that stands at a place. Literals are converted at once, from
+    /// their full precision.
     pub(super) fn convert_at(&mut self, id: ExprId, to: Ty, span: Span) -> ExprId {
         let from = self.body.ty(id);
         if from == to || from.is_error() || to.is_error() {
@@ -59,16 +62,20 @@ impl Checker<'_, '_> {
         if let ExprKind::Constant(value) = &self.body.expr(id).kind {
             let exact = self.literals.get(&id).map(|value| Value::Double(*value));
             if let Some(converted) = fold::convert(exact.as_ref().unwrap_or(value), to.target()) {
-                self.lint_precision(value.clone(), &converted, to, span);
                 return self.constant(converted, to, span);
             }
         }
         self.push(ExprKind::Convert(id), to, span)
     }
 
-    fn lint_precision(&mut self, from: Value, to: &Value, ty: Ty, span: Span) {
-        let (Value::Int(from), Value::Float(to)) = (from, to) else { return };
-        if f64::from(from) != f64::from(*to) {
+    /// Warns of an integer that a `float` cannot hold.
+    fn lint_precision(&mut self, from: ExprId, to: ExprId, ty: Ty, span: Span) {
+        let constant = |id: ExprId| match &self.body.expr(id).kind {
+            ExprKind::Constant(value) => Some(value.clone()),
+            _ => None,
+        };
+        let (Some(Value::Int(from)), Some(Value::Float(to))) = (constant(from), constant(to)) else { return };
+        if f64::from(from) != f64::from(to) {
             let (literal, ty) = (self.slice(span).to_string(), self.display(ty));
             self.emit(span, problems::PrecisionLost { literal, ty });
         }

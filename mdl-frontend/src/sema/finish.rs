@@ -1,15 +1,20 @@
 //! Checks that need the whole module: recursion, missing definitions, exports, what is unused.
 
 use super::ModuleCx;
+use super::again::{ItemRecord, Record};
 use super::hir::{Body, DefaultArg, Entity, Expr, ExprId, ExprKind, FunctionKind, Module};
 use super::ty::{Base, DefId, Ty};
-use crate::diagnostics::names as problems;
+use crate::diagnostics::{Diagnostic, names as problems};
 use crate::span::{FileSpan, Span};
 use std::sync::Arc;
 
 impl ModuleCx<'_> {
-    /// Checks the module as a whole, and gives it away.
-    pub(super) fn finish(mut self) -> Module {
+    /// Checks the module as a whole, and gives it away, with a record of what was found by item.
+    pub(super) fn finish(
+        mut self,
+        items: Option<(Vec<Diagnostic>, Vec<ItemRecord>)>,
+    ) -> (Module, Option<Record>) {
+        let record = items.and_then(|(syntax, items)| self.record(syntax, items));
         self.check_recursion();
         self.check_definitions();
         self.check_exports();
@@ -18,7 +23,7 @@ impl ModuleCx<'_> {
             self.lint_unused();
         }
         self.module.diagnostics = self.sink.finish();
-        self.module
+        (self.module, record)
     }
 
     /// Reports functions that call themselves, which only prototypes and their own names make possible.

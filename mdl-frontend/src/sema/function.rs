@@ -52,7 +52,7 @@ impl ModuleCx<'_> {
     }
 
     fn push_function(&mut self, function: Function) -> DefId {
-        self.module.functions.push(function);
+        self.module.functions.push(Arc::new(function));
         DefId { module: self.module.id, index: self.module.functions.len() as u32 - 1 }
     }
 
@@ -61,7 +61,7 @@ impl ModuleCx<'_> {
         let name = function.signature.name.clone();
         function.exported |= self.function(prototype).exported;
         let id = self.push_function(function);
-        self.module.functions[prototype.index as usize].kind = FunctionKind::Forward(id);
+        Arc::make_mut(&mut self.module.functions[prototype.index as usize]).kind = FunctionKind::Forward(id);
         let (old, new) = (Entity::Function(prototype), Entity::Function(id));
         self.scope.replace(&name, old, new);
         if let Some(exports) = self.module.exports.get_mut(&name) {
@@ -336,7 +336,7 @@ impl Checker<'_, '_> {
             }
         };
         let declarative = self.m.is_declarative(result);
-        let declared = &mut self.m.module.functions[id.index as usize];
+        let declared = Arc::make_mut(&mut self.m.module.functions[id.index as usize]);
         let mut signature = (*declared.signature).clone();
         signature.result = result;
         signature.declarative |= declarative;
@@ -356,7 +356,7 @@ impl Checker<'_, '_> {
             ExprKind::Call(callee, _) => self.m.function(callee).effects,
             _ => false,
         });
-        let declared = &mut self.m.module.functions[id.index as usize];
+        let declared = Arc::make_mut(&mut self.m.module.functions[id.index as usize]);
         declared.effects |= effects;
         declared.varying |= found.varying;
         declared.varying_defaults = found.defaults;

@@ -101,8 +101,10 @@ impl<'a> ModuleCx<'a> {
                 }
                 ItemKind::Using { names, .. } => {
                     let Some((request, module)) = resolved.next() else { return };
-                    if let Some(module) = module {
-                        self.using(item, names, request, module);
+                    self.lose_names(names, module.as_deref());
+                    match module {
+                        Some(module) => self.using(item, names, request, module),
+                        None => self.lose_module(request),
                     }
                 }
                 ItemKind::Module(_) | ItemKind::Error => continue,
@@ -147,7 +149,7 @@ impl<'a> ModuleCx<'a> {
             self.sink.emit(path.path.span, problems::ImportWithoutName { name });
             return;
         }
-        let Some(module) = module else { return };
+        let Some(module) = module else { return self.lose_module(request) };
         if path.star {
             self.qualify(request, module, None);
         } else if let Some(last) = idents.last()
@@ -177,18 +179,62 @@ impl<'a> ModuleCx<'a> {
                 wanted.extend(names.into_iter().map(|name| (name, ident.span)));
             }
         }
+        let mut clashes: Vec<(Arc<str>, Span, Span)> = Vec::new();
         for (name, span) in wanted {
             let entities = module.exports.get(&name).map_or(&[][..], |entities| entities);
             let visible: Vec<Entity> =
                 entities.iter().copied().filter(|entity| self.is_visible(*entity)).collect();
             if let Some(taken) = self.scope.import(&name, &visible, module, span) {
-                let first = self.sink.place(taken.span);
-                let (name, module) = (name.to_string(), module.identity.name());
-                self.sink.emit(span, problems::ImportClash { name, module, first });
+                clashes.push((name.clone(), span, taken.span));
             } else if item.exported {
                 visible.iter().for_each(|entity| self.export(&name, *entity));
             }
             self.qualify(request, module, Some(&name));
+        }
+        self.report_clashes(&clashes, module);
+    }
+
+    /// Reports names that another module supplies already: each that was asked for, or all at once.
+    fn report_clashes(&mut self, clashes: &[(Arc<str>, Span, Span)], module: &Module) {
+        let mut rest = clashes;
+        while let Some((name, span, first)) = rest.first() {
+            let same = rest.iter().take_while(|(_, other, _)| other == span).count();
+            let name = match same {
+                1 => format!("`{name}`"),
+                _ => format!("`{name}` and {} more", same - 1),
+            };
+            let first = self.sink.place(*first);
+            self.sink.emit(*span, problems::ImportClash { name, module: module.identity.name(), first });
+            rest = &rest[same..];
+        }
+    }
+
+    /// Remembers what a module would have supplied that was not found.
+    fn lose_module(&mut self, request: &ImportRequest) {
+        self.scope.lose_module(request.key());
+        let package = self.module.identity.package();
+        let up = match request.start {
+            PathStart::Absolute => package.len(),
+            PathStart::Weak => 0,
+            PathStart::Relative(up) => up as usize,
+        };
+        let package = &package[..package.len().saturating_sub(up)];
+        let absolute: Vec<&str> = package.iter().chain(&request.segments).map(String::as_str).collect();
+        self.scope.lose_module(absolute.join("::"));
+    }
+
+    /// Remembers the names without qualifier that a module would have supplied, which was not found or
+    /// has errors. No names stand for all.
+    fn lose_names(&mut self, names: &[ast::Ident], module: Option<&Module>) {
+        if module.is_some_and(|module| !module.has_errors()) {
+            return;
+        }
+        if names.is_empty() {
+            self.scope.lose_name(None);
+        }
+        for name in names {
+            let name = self.text(name.span);
+            self.scope.lose_name(Some(name));
         }
     }
 

@@ -87,6 +87,9 @@ impl<'a> ModuleCx<'a> {
 
     /// Where the module declares a name further down.
     fn declared_later(&self, name: &str) -> Option<Span> {
+        if let Some(later) = &self.later {
+            return later.get(name).copied();
+        }
         let declared = |item: &'a ast::Item| match &item.kind {
             ast::ItemKind::Function(function) => Some(function.name),
             ast::ItemKind::Struct { name, .. } | ast::ItemKind::Enum { name, .. } => Some(*name),
@@ -116,6 +119,19 @@ impl<'a> Checker<'_, 'a> {
     /// What a path stands for, as a value, function or type.
     pub(super) fn lookup(&mut self, path: ast::Path) -> Found {
         self.lookup_in(path, false)
+    }
+
+    /// Whether an annotation would be known, had all imports been found.
+    pub(super) fn is_lost_annotation(&self, path: ast::Path) -> bool {
+        match self.nodes.path(path).split_last() {
+            Some((last, [])) => self.m.scope.is_lost_name(self.name_of(*last)),
+            Some((_, modules)) => {
+                let key = self.module_key(modules);
+                let erroneous = |imported: &super::scope::ImportedModule| imported.module.has_errors();
+                self.m.scope.is_lost_module(&key) || self.m.scope.module(&key).is_some_and(erroneous)
+            }
+            None => false,
+        }
     }
 
     /// What a path stands for as an annotation.
@@ -169,8 +185,11 @@ impl<'a> Checker<'_, 'a> {
         None
     }
 
-    /// Whether a name occurs in what the parser skipped: its declaration may have been there.
+    /// Whether a name would be known, had the parser not skipped some text and all imports been found.
     pub(super) fn is_lost(&mut self, name: &str) -> bool {
+        if self.m.scope.is_lost_name(name) {
+            return true;
+        }
         // Searching is slow, and by now nobody reads what is wrong with yet another name.
         const SEARCHES: u32 = 1000;
         self.m.lost_searches += 1;
@@ -200,6 +219,9 @@ impl<'a> Checker<'_, 'a> {
         let Some(imported) = self.m.scope.module(&key) else {
             if self.m.module.identity.name().trim_start_matches("::") == key {
                 return self.unqualified(name, path.span, annotation);
+            }
+            if self.m.scope.is_lost_module(&key) {
+                return None;
             }
             self.report_unknown_module(&key, path.span, annotation);
             return None;

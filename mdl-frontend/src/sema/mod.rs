@@ -5,6 +5,7 @@
 //! the files of this folder by subject. A checker never gives up: what it cannot understand gets the
 //! error type, which is compatible with everything.
 
+mod again;
 mod annotations;
 mod call;
 mod cast;
@@ -13,6 +14,7 @@ mod constant;
 mod construct;
 mod convert;
 mod declare;
+mod edit;
 mod expr;
 mod finish;
 mod frequency;
@@ -32,7 +34,9 @@ pub mod ty;
 mod type_expr;
 mod variant;
 
+pub use again::{Record, check_again};
 pub use annotations::parameter_ui;
+pub use edit::Edit;
 pub use expr::spelling;
 pub use imports::{ImportRequest, requests};
 pub use language::{module as language_module, type_name};
@@ -69,14 +73,14 @@ pub struct Input<'a> {
     pub standard: bool,
 }
 
-/// Checks a module. `sink` holds the diagnostics of its syntax and imports already.
-pub fn check(input: Input<'_>, sink: Sink) -> Module {
+/// Checks a module. `sink` holds the diagnostics of its syntax and imports already. The record lets
+/// [`check_again`] check it faster after an edit.
+pub fn check(input: Input<'_>, sink: Sink) -> (Module, Option<Record>) {
     let mut cx = ModuleCx::new(&input, sink);
     cx.imports(input.imports);
-    for item in &input.syntax.items {
-        cx.item(item);
-    }
-    cx.finish()
+    let syntax = cx.sink.list().to_vec();
+    let items = input.syntax.items.iter().map(|item| cx.recorded(item)).collect();
+    cx.finish(Some((syntax, items)))
 }
 
 /// Checks an expression that stands outside of a module's text, such as an argument on a command line.
@@ -125,6 +129,8 @@ pub struct ModuleCx<'a> {
     lost_searches: u32,
     /// Types for the folder.
     types: TypeTable,
+    /// Names that are declared behind what is checked, if that is not all of the syntax.
+    later: Option<HashMap<Arc<str>, Span>>,
 }
 
 impl<'a> ModuleCx<'a> {
@@ -150,6 +156,7 @@ impl<'a> ModuleCx<'a> {
             used_constants: HashSet::default(),
             lost_searches: 0,
             types: TypeTable::default(),
+            later: None,
         }
     }
 

@@ -1,5 +1,6 @@
 //! What names stand for: in a module, and in the blocks of a function.
 
+use super::edit::{Edit, Shift};
 use super::hir::{Entity, LocalId, Module};
 use super::ty::{SymbolId, Ty};
 use crate::span::Span;
@@ -8,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Names of a module: its own, and those that it imports.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub struct ModuleScope {
     /// Names that are used without a module before them.
     names: HashMap<Arc<str>, Names>,
@@ -20,6 +21,20 @@ pub struct ModuleScope {
     paths: Vec<String>,
     /// Names in order of declaration, for suggestions.
     order: Vec<Arc<str>>,
+    /// Names that modules would supply which were not found or have errors.
+    lost: LostImports,
+}
+
+/// What imports would have supplied, had their modules been found and been without errors. A use of it
+/// causes no further error.
+#[derive(Clone, Debug, Default)]
+struct LostImports {
+    /// Paths of modules, such as `a::b`.
+    modules: HashSet<String>,
+    /// Names without qualifier.
+    names: HashSet<String>,
+    /// Any name without qualifier.
+    all: bool,
 }
 
 /// What one name stands for.
@@ -34,6 +49,7 @@ pub struct Names {
 }
 
 /// A module of which some names can be used with a qualifier.
+#[derive(Clone, Debug)]
 pub struct ImportedModule {
     /// The module.
     pub module: Arc<Module>,
@@ -121,6 +137,57 @@ impl ModuleScope {
         }
     }
 
+    /// Remembers that a module would be used under this path.
+    pub fn lose_module(&mut self, path: String) {
+        self.lost.modules.insert(path);
+    }
+
+    /// Remembers that a name without qualifier would have been imported; `None` stands for all names.
+    pub fn lose_name(&mut self, name: Option<&str>) {
+        match name {
+            Some(name) => _ = self.lost.names.insert(name.to_string()),
+            None => self.lost.all = true,
+        }
+    }
+
+    /// Whether an import that failed would have supplied the module under this path.
+    pub fn is_lost_module(&self, path: &str) -> bool {
+        self.lost.modules.contains(path)
+    }
+
+    /// Whether an import that failed may have supplied a name without qualifier.
+    pub fn is_lost_name(&self, name: &str) -> bool {
+        self.lost.all || self.lost.names.contains(name)
+    }
+
+    /// The names as they are before a place in the text, and where those behind it are declared.
+    pub fn split(&self, start: u32, module: &Module) -> (Self, HashMap<Arc<str>, Span>) {
+        let (mut before, mut later) = (self.clone(), HashMap::default());
+        let declared_before = |entity: &Entity, names: Span, imported: bool| match entity {
+            Entity::Function(id) if id.module == module.id => {
+                module.functions[id.index as usize].signature.span.span.start < start
+            }
+            _ => imported || names.start < start,
+        };
+        for table in [&mut before.names, &mut before.annotations] {
+            table.retain(|name, names| {
+                let suggested = matches!(
+                    names.entities.first(),
+                    Some(Entity::Function(_) | Entity::Type(_) | Entity::Constant(_))
+                );
+                let (span, imported) = (names.span, names.imported.is_some());
+                names.entities.retain(|entity| declared_before(entity, span, imported));
+                if names.entities.is_empty() && suggested {
+                    later.insert(name.clone(), span);
+                }
+                !names.entities.is_empty()
+            });
+        }
+        let Self { names, annotations, order, .. } = &mut before;
+        order.retain(|name| names.contains_key(name) || annotations.contains_key(name));
+        (before, later)
+    }
+
     /// The imported module that is used under this path.
     pub fn module(&self, path: &str) -> Option<&ImportedModule> {
         self.modules.get(path)
@@ -134,6 +201,13 @@ impl ModuleScope {
     /// All names without qualifier, for suggestions.
     pub fn all_names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(|name| &**name)
+    }
+}
+
+impl Shift for ModuleScope {
+    fn shift(&mut self, edit: &Edit, file: &str) -> Option<()> {
+        let tables = [&mut self.names, &mut self.annotations];
+        tables.into_iter().flat_map(HashMap::values_mut).try_for_each(|names| names.span.shift(edit, file))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::ast::*;
 use super::literals;
 use super::token::Token;
+use crate::diagnostics::types::NestedArray;
 use crate::diagnostics::{Sink, syntax as problems};
 use crate::limits;
 use crate::span::Span;
@@ -166,6 +167,10 @@ impl<'s> Builder<'s> {
             ExprKind::Name(path) => TypeName::Named(path),
             ExprKind::Type(builtin) => TypeName::Builtin(builtin),
             ExprKind::Error => TypeName::Error,
+            ExprKind::Index(..) | ExprKind::ArrayType(..) => {
+                self.sink.emit(span, NestedArray {});
+                TypeName::Error
+            }
             _ => {
                 self.sink.emit(span, problems::NotATypeExpression {});
                 TypeName::Error

@@ -43,6 +43,15 @@ pub fn lex_expression(text: &str, version: Version, sink: &mut Sink) -> Vec<(Tok
     tokens
 }
 
+/// Splits a part of a module into tokens, by the rules of a version.
+pub fn lex_part(text: &str, part: Span, version: Version, sink: &mut Sink) -> Vec<(Token, Span)> {
+    let mut tokens = Vec::new();
+    let mut lexer = Token::lexer(&text[..part.end as usize]);
+    lexer.bump(part.start as usize);
+    push_all(&mut tokens, lexer, text, version, sink);
+    tokens
+}
+
 /// Places of all comments, in order.
 pub fn comments(text: &str) -> Vec<Span> {
     let mut comments = Vec::new();

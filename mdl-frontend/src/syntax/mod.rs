@@ -9,6 +9,7 @@ mod parse;
 pub mod token;
 pub mod version;
 
+pub(crate) use parse::parse_part;
 pub use parse::{parse_expression, parse_module};
 
 /// The name behind a unicode name in single quotes.

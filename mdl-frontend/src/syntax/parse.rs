@@ -29,6 +29,15 @@ pub fn parse_module(text: Arc<str>, sink: &mut Sink) -> Module {
     Module { version: lexed.version, version_span: lexed.version_span, items, text }
 }
 
+/// Parses a part of a module that should be one item; `None` if it is not, or has errors.
+pub fn parse_part(text: &Arc<str>, part: Span, version: Version, file: &Arc<str>) -> Option<Item> {
+    let mut sink = Sink::new(file.clone());
+    let tokens = lexer::lex_part(text, part, version, &mut sink);
+    let [raw] = &items::split(&tokens, &mut sink)[..] else { return None };
+    let item = parse_item(text, &tokens, raw, &mut sink);
+    (sink.list().is_empty() && item.span == part).then_some(item)
+}
+
 fn parse_item(text: &str, tokens: &[(Token, Span)], raw: &RawItem, sink: &mut Sink) -> Item {
     let tokens = &tokens[raw.tokens.clone()];
     // An item has at least one token.

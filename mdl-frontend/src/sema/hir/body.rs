@@ -20,7 +20,7 @@ pub struct StmtId(pub u32);
 pub struct LocalId(pub u32);
 
 /// Expressions, statements and locals of one declaration. Operands stand before their users.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Body {
     /// Expressions.
     pub exprs: Vec<Expr>,
@@ -193,7 +193,7 @@ pub struct ResourceExpr {
 }
 
 /// A statement.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Stmt {
     /// What it is.
     pub kind: StmtKind,
@@ -202,7 +202,7 @@ pub struct Stmt {
 }
 
 /// Kind of a statement.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum StmtKind {
     /// Nothing.
     Empty,
@@ -231,7 +231,7 @@ pub enum StmtKind {
 }
 
 /// One label of a `switch` and what follows it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Case {
     /// The label; `None` for `default`.
     pub label: Option<i32>,

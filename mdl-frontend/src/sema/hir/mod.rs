@@ -33,7 +33,7 @@ pub struct Module {
     /// Structs.
     pub structs: Vec<Arc<Struct>>,
     /// Functions and materials.
-    pub functions: Vec<Function>,
+    pub functions: Vec<Arc<Function>>,
     /// Constants.
     pub constants: Vec<Constant>,
     /// Annotations.
@@ -122,7 +122,7 @@ impl Window {
 }
 
 /// An enumeration.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Enum {
     /// Qualified name.
     pub name: Arc<str>,
@@ -135,7 +135,7 @@ pub struct Enum {
 }
 
 /// A struct.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Struct {
     /// Qualified name.
     pub name: Arc<str>,
@@ -190,7 +190,7 @@ pub enum FieldDefault {
 }
 
 /// A constant.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Constant {
     /// Qualified name.
     pub name: Arc<str>,
@@ -209,7 +209,7 @@ pub struct Constant {
 }
 
 /// A declared annotation.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct AnnotationDecl {
     /// Parameters; names and types are what counts.
     pub signature: Arc<Signature>,
@@ -229,7 +229,7 @@ pub struct AnnotationUse {
 }
 
 /// A function, material or variant.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Function {
     /// What callers must know.
     pub signature: Arc<Signature>,
@@ -256,7 +256,7 @@ pub struct Function {
 }
 
 /// What callers of a function must know.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Signature {
     /// Name without its module.
     pub name: Arc<str>,
@@ -283,7 +283,7 @@ pub struct Signature {
 }
 
 /// A parameter of a signature.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ParamSig {
     /// Its name.
     pub name: Arc<str>,
