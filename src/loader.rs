@@ -149,6 +149,10 @@ impl Loader for FileLoader {
         Ok(None)
     }
 
+    fn stands_in(&self, root: &str) -> bool {
+        root == EMBEDDED
+    }
+
     fn siblings(&self, package: &[String]) -> Vec<String> {
         let mut names = Vec::new();
         let folder: PathBuf = package.iter().collect();

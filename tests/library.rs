@@ -103,6 +103,27 @@ fn modules_of_the_user_come_first() {
     assert!(session.catalogue().expect("it checks").iter().all(|m| m.name().starts_with("::catalog::")));
 }
 
+/// Modules of all versions, by all forms of import.
+#[test]
+fn modules_are_imported_in_every_form() {
+    let body = "export material preset(*) = scratched_metal_v2(roughness: 0.4); \
+                export material wall() = diffuse(diffuse_color: base::checker_texture().tint);";
+    for version in ["1.0", "1.3", "1.5", "1.6", "1.9", "1.10"] {
+        for (prefix, name) in [("", "::user"), ("::", "::user"), (".::", "::user"), ("::", "::pkg::user")] {
+            let text = format!(
+                "mdl {version}; import {prefix}base::*; using {prefix}nvidia::core_definitions import *; {body}"
+            );
+            let module = Session::new().source(name, &text);
+            let problems: Vec<String> =
+                module.diagnostics().iter().map(|d| module.render(d, false)).collect();
+            assert!(problems.is_empty(), "{text}\n{}", problems.join("\n"));
+        }
+    }
+    // Up to 1.5 a path without dots is tried as an absolute one, too.
+    let text = format!("mdl 1.5; import base::*; using nvidia::core_definitions import *; {body}");
+    assert!(Session::new().source("::pkg::user", &text).diagnostics().is_empty());
+}
+
 #[test]
 fn functions_and_materials_compile_in_both_modes() {
     let compiler = compiler();

@@ -87,6 +87,13 @@ pub trait Loader: Send + Sync {
         from: &ModuleIdentity,
     ) -> Result<Option<ResolvedResource>, LoadError>;
 
+    /// Whether modules found under this root stand in for those that another root lacks, so that a relative
+    /// import may find them there: modules that come with the compiler.
+    fn stands_in(&self, root: &str) -> bool {
+        let _ = root;
+        false
+    }
+
     /// Names of the modules of a package, for suggestions; empty if that is unknown.
     fn siblings(&self, package: &[String]) -> Vec<String> {
         let _ = package;

@@ -116,7 +116,8 @@ impl Session<'_> {
         };
         let Some(checked) = checked else { return Ok(None) };
         let module = checked.module;
-        if candidate.relative && module.identity.root != from.root {
+        let root = &module.identity.root;
+        if candidate.relative && *root != from.root && !self.compiler.loader.stands_in(root) {
             let (found, root) = (module.identity.file.to_string(), from.root.to_string());
             sink.emit(request.span, problems::OtherRoot { name, found, root });
         }
