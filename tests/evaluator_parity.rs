@@ -64,7 +64,29 @@ fn trees() -> Vec<(&'static str, Tree<f32>)> {
             None,
         )),
     };
+    let models = [
+        GlossyModel::GgxSmith,
+        GlossyModel::BeckmannSmith,
+        GlossyModel::GgxVcavities,
+        GlossyModel::BeckmannVcavities,
+        GlossyModel::Simple,
+        GlossyModel::Ward,
+        GlossyModel::Backscattering,
+    ];
+    let lobes = models.map(|model| Tree::Glossy {
+        model,
+        tint: [0.9, 0.8, 0.7],
+        multiscatter_tint: Some([0.5, 0.6, 0.7]),
+        roughness_u: 0.5,
+        roughness_v: 0.3,
+        mode: ScatterMode::ReflectTransmit,
+        tangent: Some([0.6, 0.8, 0.1]),
+    });
+    let sheen = Tree::Sheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
+    let velvet = layer(Curve::Sheen { roughness: 0.4 }, sheen, diffuse(0.3), None);
+    let mix = lobes.into_iter().fold(velvet, |mix, lobe| layer(Curve::Constant, lobe, mix, None));
     vec![
+        ("every glossy lobe", mix),
         ("diffuse", diffuse(0.0)),
         ("rough diffuse", diffuse(0.7)),
         ("glossy", glossy),
@@ -230,7 +252,7 @@ fn compute_kernels_agree() {
 #[test]
 fn parity_detects_a_planted_difference() {
     let code = library();
-    let (name, tree) = &trees()[4];
+    let (name, tree) = &trees()[5];
     let rows = run(&code, Executor::Cpu, tree);
     let mut planted = rows.clone();
     let lit = planted.iter_mut().find(|row| row[6] > 0.0).expect("some pairs lie on one side");

@@ -375,6 +375,50 @@ fn math_cbrt(x: f32) -> f32 {
     let nonzero = select(root, 0.0, (a < MATH_MIN_NORMAL));
     return math_copysign(select(nonzero, a, (bitcast<u32>(a) >= 2139095040u)), x);
 }
+fn math_erf_near(x: f32) -> f32 {
+    let z = (x * x);
+    let q = (0.005221127 + (z * (-0.00084867736 + (z * (0.00011293234 - (z * 9.763227e-6))))));
+    return (x * (0.12837917 + (z * (-0.37612638 + (z * (0.112837814 + (z * (-0.026865425 + (z * q)))))))));
+}
+
+fn math_erf(x: f32) -> f32 {
+    let a = abs(x);
+    let near = (x + math_erf_near(x));
+    return select(near, math_copysign((1.0 - math_erfc_far(a)), x), (a > 0.9));
+}
+
+fn math_erfc_far(a: f32) -> f32 {
+    let x = select(a, 10.5, (a > 10.5));
+    let t = (1.0 / (1.0 + (0.4 * x)));
+    let p = (0.16597901 + (t * (-0.05555832 + (t * (0.22819413 + (t * (-0.22048645 + (t * 0.060180113))))))));
+    let q = (t * (0.22567883 + (t * (0.22557396 + (t * (0.2090002 + (t * (0.16145052 + (t * p)))))))));
+    let head = math_head(x);
+    return ((math_exp((-head * head)) * math_exp((-(x - head) * (x + head)))) * q);
+}
+
+fn math_erfc(x: f32) -> f32 {
+    let near = (1.0 - (x + math_erf_near(x)));
+    let far = math_erfc_far(abs(x));
+    return select(near, select(far, (2.0 - far), (x < 0.0)), (abs(x) > 0.5));
+}
+
+fn math_erf_inverse_factor(w: f32) -> f32 {
+    let v = (min(w, 5.0) - 2.5);
+    let p = (0.00021834444 + (v * (-4.9633454e-6 + (v * (-3.4627044e-6 + (v * (4.661701e-7 + (v * 2.3232623e-8))))))));
+    let near = (1.5014094 + (v * (0.24664028 + (v * (-0.004177387 + (v * (-0.0012527419 + (v * p))))))));
+    let s = (sqrt(clamp(w, 5.0, 17.64)) - 3.0);
+    let q = (-0.007694381 + (s * (0.0060099047 + (s * (-0.0035019182 + (s * 0.000928124))))));
+    let far = (2.8329787 + (s * (1.0016805 + (s * (0.009382151 + (s * q))))));
+    return select(near, far, (w > 5.0));
+}
+
+fn math_erf_inverse(x: f32) -> f32 {
+    return (x * math_erf_inverse_factor(-math_log(max(((1.0 - x) * (1.0 + x)), 1e-30))));
+}
+
+fn math_erfc_inverse(q: f32) -> f32 {
+    return ((1.0 - q) * math_erf_inverse_factor(-math_log(max((q * (2.0 - q)), 1e-30))));
+}
 fn hash_u32(v: u32) -> u32 {
     let a = ((v ^ (v >> 16u)) * 2146121005u);
     let b = ((a ^ (a >> 15u)) * 2221713035u);
@@ -491,175 +535,6 @@ fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
     let product = (oi - min(((2.0 * no) * ni), 0.0));
     return sqrt(unit((0.5 + (0.5 * product))));
 }
-const MAX_NODES: u32 = 64u;
-const MAX_PARAMS: u32 = 384u;
-const MAX_STACK: u32 = 6u;
-const OP_MASK: u32 = 255u;
-const OP_BLACK: u32 = 0u;
-const OP_DIFFUSE_REFLECTION: u32 = 1u;
-const OP_DIFFUSE_TRANSMISSION: u32 = 2u;
-const OP_SPECULAR: u32 = 3u;
-const OP_GGX_SMITH: u32 = 4u;
-const OP_TINT: u32 = 16u;
-const OP_SCALE: u32 = 17u;
-const OP_DIRECTIONAL_FACTOR: u32 = 18u;
-const OP_WEIGHTED_LAYER: u32 = 32u;
-const OP_FRESNEL_LAYER: u32 = 33u;
-const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
-const OP_CUSTOM_CURVE_LAYER: u32 = 35u;
-const OP_DIFFUSE_EDF: u32 = 64u;
-const FLAG_VECTOR: u32 = 256u;
-const FLAG_COLOR: u32 = 512u;
-const FLAG_BASE_FIRST: u32 = 1024u;
-const SLOT_TINT: u32 = 0u;
-const SLOT_DIFFUSE_ROUGHNESS: u32 = 3u;
-const SLOT_DIFFUSE_MULTIPLE: u32 = 4u;
-const SLOT_GLOSSY_ALPHA: u32 = 3u;
-const SLOT_GLOSSY_TANGENT: u32 = 5u;
-const SLOT_TINT_TRANSMISSION: u32 = 3u;
-const SLOT_FACTOR_GRAZING: u32 = 3u;
-const SLOT_FACTOR_EXPONENT: u32 = 6u;
-const SLOT_FACTOR_F82: u32 = 7u;
-const SLOT_LAYER_IMPORTANCE: u32 = 0u;
-const SLOT_LAYER_WEIGHT: u32 = 2u;
-const SLOT_LAYER_CURVE: u32 = 5u;
-
-struct Params {
-    v: array<f32, 384>
-}
-
-struct Program {
-    count: u32,
-    nodes: array<vec4u, 64>
-}
-
-fn param(p: ptr<function, Params>, slot: u32) -> f32 {
-    return p.v[u32(slot)];
-}
-
-fn param3(p: ptr<function, Params>, slot: u32) -> vec3f {
-    return vec3f(p.v[u32(slot)], p.v[u32((slot + 1u))], p.v[u32((slot + 2u))]);
-}
-struct ShadingPoint {
-    geometry_normal: vec3f,
-    ior_near: vec3f,
-    ior_far: vec3f,
-    near: f32,
-    far: f32,
-    eta: f32,
-    flags: u32
-}
-const POINT_THIN_WALLED: u32 = 1u;
-const POINT_INSIDE: u32 = 2u;
-
-fn shading_point(geometry_normal: vec3f, ior_near: vec3f, ior_far: vec3f, flags: u32) -> ShadingPoint {
-    let near = mean3(ior_near);
-    let far = mean3(ior_far);
-    return ShadingPoint(geometry_normal, ior_near, ior_far, near, far, sane_eta((far / near)), flags);
-}
-
-fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
-    let inside = ((flags & POINT_INSIDE) != 0u);
-    return sane_eta((select(ior, far, inside) / select(near, ior, inside)));
-}
-
-fn schlick_curve(normal: vec3f, grazing: vec3f, exponent: f32, c: f32) -> vec3f {
-    return unit3((normal + ((grazing - normal) * schlick_weight(c, exponent))));
-}
-
-fn f82_curve(
-    normal: vec3f,
-    grazing: vec3f,
-    f82: vec3f,
-    exponent: f32,
-    c: f32,
-) -> vec3f {
-    let plain = (normal + ((grazing - normal) * schlick_weight(c, exponent)));
-    let at_82 = (normal + ((grazing - normal) * schlick_weight((1.0 / 7.0), exponent)));
-    let m = (1.0 - c);
-    let m2 = (m * m);
-    let bump = ((((17.651384 * c) * m2) * m2) * m2);
-    return unit3((plain - ((at_82 * (splat3(1.0) - unit3(f82))) * bump)));
-}
-
-struct LayerCurve {
-    seen: vec3f,
-    lit: vec3f,
-    half: vec3f,
-    front: vec3f
-}
-
-fn color_coating_eta(ior: vec3f, point: ShadingPoint) -> vec3f {
-    return vec3f(coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags), coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags), coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags));
-}
-
-fn color_fresnel(c: f32, eta: vec3f) -> vec3f {
-    return vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z));
-}
-
-fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
-    let normal = param3(p, slot);
-    let grazing = param3(p, (slot + 3u));
-    let exponent = param(p, (slot + 6u));
-    if ((n.x & FLAG_COLOR) != 0u) {
-        return f82_curve(normal, grazing, param3(p, (slot + 7u)), exponent, c);
-    }
-    return schlick_curve(normal, grazing, exponent, c);
-}
-
-fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
-    let op = (n.x & OP_MASK);
-    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-    let slot = (n.y + SLOT_LAYER_CURVE);
-    if (op == OP_FRESNEL_LAYER) {
-        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
-        return (weight * fresnel_dielectric(c, eta));
-    }
-    if (op == OP_COLOR_FRESNEL_LAYER) {
-        return (weight * color_fresnel(c, color_coating_eta(param3(p, slot), point)));
-    }
-    if (op == OP_CUSTOM_CURVE_LAYER) {
-        return (weight * node_schlick(n, p, slot, c));
-    }
-    return weight;
-}
-
-fn layer_curve(
-    n: vec4u,
-    p: ptr<function, Params>,
-    point: ShadingPoint,
-    seen: f32,
-    lit: f32,
-    half: f32,
-) -> LayerCurve {
-    let op = (n.x & OP_MASK);
-    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-    let slot = (n.y + SLOT_LAYER_CURVE);
-    if (op == OP_FRESNEL_LAYER) {
-        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
-        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
-    }
-    if (op == OP_COLOR_FRESNEL_LAYER) {
-        let eta = color_coating_eta(param3(p, slot), point);
-        return LayerCurve((weight * color_fresnel(seen, eta)), (weight * color_fresnel(lit, eta)), (weight * color_fresnel(half, eta)), splat3(0.0));
-    }
-    return LayerCurve((weight * node_schlick(n, p, slot, seen)), (weight * node_schlick(n, p, slot, lit)), (weight * node_schlick(n, p, slot, half)), (weight * unit3(param3(p, slot))));
-}
-
-fn layer_normal_slot(n: vec4u) -> u32 {
-    let op = (n.x & OP_MASK);
-    let slot = (n.y + SLOT_LAYER_CURVE);
-    if (op == OP_FRESNEL_LAYER) {
-        return (slot + 1u);
-    }
-    if (op == OP_COLOR_FRESNEL_LAYER) {
-        return (slot + 3u);
-    }
-    if (op == OP_CUSTOM_CURVE_LAYER) {
-        return (slot + select(7u, 10u, ((n.x & FLAG_COLOR) != 0u)));
-    }
-    return slot;
-}
 const EVENT_ABSORB: u32 = 0u;
 const EVENT_DIFFUSE: u32 = 1u;
 const EVENT_GLOSSY: u32 = 2u;
@@ -686,92 +561,6 @@ fn lobe_absorb() -> LobeSample {
 
 fn lobe_zero() -> LobeValue {
     return LobeValue(0.0, 0.0);
-}
-fn sample_concentric_disc(u: vec2f) -> vec2f {
-    let a = ((2.0 * u.x) - 1.0);
-    let b = ((2.0 * u.y) - 1.0);
-    if ((a == 0.0) && (b == 0.0)) {
-        return vec2f(0.0, 0.0);
-    }
-    let wide = (abs(a) > abs(b));
-    let r = select(b, a, wide);
-    let ratio = (select(a, b, wide) / r);
-    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
-    let sc = math_sincos(angle);
-    return vec2f((r * sc.y), (r * sc.x));
-}
-
-fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
-    let d = sample_concentric_disc(u);
-    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
-}
-const FUJII_LOSS: f32 = 0.2877934;
-const FUJII_MEAN: f32 = 0.07248821;
-
-struct DiffuseReflection {
-    roughness: f32,
-    a: f32,
-    b: f32
-}
-
-struct DiffuseValue {
-    single: f32,
-    multiple: f32,
-    pdf: f32
-}
-
-fn diffuse_reflection_new(roughness: f32) -> DiffuseReflection {
-    let r = unit(roughness);
-    let a = (1.0 / (1.0 + (FUJII_LOSS * r)));
-    return DiffuseReflection(r, a, (a * r));
-}
-
-fn diffuse_reflection_eval(lobe: DiffuseReflection, wo: vec3f, wi: vec3f) -> DiffuseValue {
-    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
-        return DiffuseValue(0.0, 0.0, 0.0);
-    }
-    let lambert = (wi.z * FRAC_1_PI);
-    if (lobe.roughness == 0.0) {
-        return DiffuseValue(lambert, 0.0, lambert);
-    }
-    let s = (dot(wo, wi) - (wo.z * wi.z));
-    let t = select(1.0, max(wo.z, wi.z), (s > 0.0));
-    return DiffuseValue(((lobe.a + ((lobe.b * s) / t)) * lambert), ((((lobe.b * fujii_missing(wo.z)) * fujii_missing(wi.z)) / (FUJII_LOSS - FUJII_MEAN)) * lambert), lambert);
-}
-
-fn diffuse_reflection_sample(u: vec2f) -> LobeSample {
-    let wi = sample_cosine_hemisphere(u);
-    if (wi.z <= 0.0) {
-        return lobe_absorb();
-    }
-    return LobeSample(wi, (EVENT_DIFFUSE | EVENT_REFLECTION));
-}
-
-fn fujii_missing(mu: f32) -> f32 {
-    let c = unit(mu);
-    let s = sqrt(((1.0 - c) * (1.0 + c)));
-    let theta = math_acos(c);
-    let g = ((s * (theta - (s * c))) + ((2.0 / 3.0) * ((((s * c) * ((1.0 + s) + (s * s))) / (1.0 + s)) - s)));
-    return max((FUJII_LOSS - (g * FRAC_1_PI)), 0.0);
-}
-
-fn diffuse_reflection_albedo(lobe: DiffuseReflection, mu: f32) -> f32 {
-    return (1.0 - (lobe.b * fujii_missing(mu)));
-}
-fn diffuse_transmission_eval(wo: vec3f, wi: vec3f) -> LobeValue {
-    if ((wo.z <= 0.0) || (wi.z >= 0.0)) {
-        return lobe_zero();
-    }
-    let lambert = (-wi.z * FRAC_1_PI);
-    return LobeValue(lambert, lambert);
-}
-
-fn diffuse_transmission_sample(u: vec2f) -> LobeSample {
-    let wi = sample_cosine_hemisphere(u);
-    if (wi.z <= 0.0) {
-        return lobe_absorb();
-    }
-    return LobeSample(vec3f(wi.x, wi.y, -wi.z), (EVENT_DIFFUSE | EVENT_TRANSMISSION));
 }
 fn specular_reflectance(mode: u32, c: f32, eta: f32) -> f32 {
     if (mode == MODE_REFLECT) {
@@ -1005,6 +794,713 @@ fn ggx_normal_albedo(lobe: Ggx, wo: vec3f, wm: vec3f) -> f32 {
     let below = select(0.0, ggx_g1(lobe.alpha, wt), (wt.z < 0.0));
     return ((r * above) + ((1.0 - r) * below));
 }
+const FACETS_GGX: u32 = 0u;
+const FACETS_BECKMANN: u32 = 1u;
+const FACETS_PHONG: u32 = 2u;
+const FACETS_SHEEN: u32 = 3u;
+
+fn facets_d(facets: u32, alpha: vec2f, h: vec3f, h2: f32) -> f32 {
+    let area = (alpha.x * alpha.y);
+    let x = (h.x / alpha.x);
+    let y = (h.y / alpha.y);
+    let z2 = (h.z * h.z);
+    let slope2 = ((x * x) + (y * y));
+    if (facets == FACETS_GGX) {
+        let k = (h2 / (slope2 + z2));
+        return ((FRAC_1_PI / area) * (k * k));
+    }
+    if (facets == FACETS_BECKMANN) {
+        if !(slope2 < (80.0 * z2)) {
+            return 0.0;
+        }
+        let k = (h2 / z2);
+        return (((FRAC_1_PI / area) * math_exp((-slope2 / z2))) * (k * k));
+    }
+    let flat2 = ((h.x * h.x) + (h.y * h.y));
+    if (facets == FACETS_PHONG) {
+        let s2 = min((flat2 / h2), 1.0);
+        let near = ((-slope2 / h2) * phong_log_ratio(s2));
+        let power = select(near, ((slope2 / flat2) * math_log(max((z2 / h2), 1e-37))), (s2 > 0.25));
+        let u = (2.0 + ((2.0 * alpha.x) * alpha.x));
+        let v = (2.0 + ((2.0 * alpha.y) * alpha.y));
+        return ((((0.5 * FRAC_1_PI) * sqrt((u * v))) / area) * math_exp(power));
+    }
+    let inverse = (1.0 / alpha.x);
+    return (((0.5 * FRAC_1_PI) * (2.0 + inverse)) * math_pow(min((flat2 / h2), 1.0), (0.5 * inverse)));
+}
+
+fn phong_log_ratio(x: f32) -> f32 {
+    return select(1.0, (-math_log1p(-x) / x), (x > 1e-6));
+}
+
+fn facets_sample(facets: u32, alpha: vec2f, u: vec2f) -> vec3f {
+    let sc = math_sincos(((2.0 * PI) * u.x));
+    let v = max((1.0 - u.y), 5.9604645e-8);
+    if ((facets == FACETS_GGX) || (facets == FACETS_BECKMANN)) {
+        let slope2 = select(-math_log(v), ((1.0 - v) / v), (facets == FACETS_GGX));
+        let r = sqrt(slope2);
+        return normalize_or(vec3f(((alpha.x * r) * sc.y), ((alpha.y * r) * sc.x), 1.0), vec3f(0.0, 0.0, 1.0));
+    }
+    if (facets == FACETS_PHONG) {
+        let wide = normalize_or(vec3f(((sc.y * alpha.x) * sqrt((1.0 + (alpha.y * alpha.y)))), ((sc.x * alpha.y) * sqrt((1.0 + (alpha.x * alpha.x)))), 0.0), vec3f(1.0, 0.0, 0.0));
+        let x = (wide.x / alpha.x);
+        let y = (wide.y / alpha.y);
+        let log = (math_log(v) / ((2.0 * ((x * x) + (y * y))) + 2.0));
+        let z = math_exp(log);
+        let s = sqrt(max(((-2.0 * z) * math_sinh(log)), 0.0));
+        return vec3f((wide.x * s), (wide.y * s), z);
+    }
+    let log = (math_log(v) / (2.0 + (1.0 / alpha.x)));
+    let s = math_exp(log);
+    return vec3f((s * sc.y), (s * sc.x), sqrt(max(((-2.0 * s) * math_sinh(log)), 0.0)));
+}
+const MAX_NODES: u32 = 64u;
+const MAX_PARAMS: u32 = 384u;
+const MAX_STACK: u32 = 6u;
+const OP_MASK: u32 = 255u;
+const OP_BLACK: u32 = 0u;
+const OP_DIFFUSE_REFLECTION: u32 = 1u;
+const OP_DIFFUSE_TRANSMISSION: u32 = 2u;
+const OP_SPECULAR: u32 = 3u;
+const OP_GGX_SMITH: u32 = 4u;
+const OP_BECKMANN_SMITH: u32 = 5u;
+const OP_GGX_VCAVITIES: u32 = 6u;
+const OP_BECKMANN_VCAVITIES: u32 = 7u;
+const OP_SIMPLE_GLOSSY: u32 = 8u;
+const OP_WARD: u32 = 9u;
+const OP_BACKSCATTERING: u32 = 10u;
+const OP_SHEEN: u32 = 11u;
+const OP_TINT: u32 = 16u;
+const OP_SCALE: u32 = 17u;
+const OP_DIRECTIONAL_FACTOR: u32 = 18u;
+const OP_WEIGHTED_LAYER: u32 = 32u;
+const OP_FRESNEL_LAYER: u32 = 33u;
+const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
+const OP_CUSTOM_CURVE_LAYER: u32 = 35u;
+const OP_SHEEN_LAYER: u32 = 36u;
+const OP_DIFFUSE_EDF: u32 = 64u;
+const FLAG_VECTOR: u32 = 256u;
+const FLAG_COLOR: u32 = 512u;
+const FLAG_BASE_FIRST: u32 = 1024u;
+const SLOT_TINT: u32 = 0u;
+const SLOT_DIFFUSE_ROUGHNESS: u32 = 3u;
+const SLOT_DIFFUSE_MULTIPLE: u32 = 4u;
+const SLOT_GLOSSY_ALPHA: u32 = 3u;
+const SLOT_GLOSSY_TANGENT: u32 = 5u;
+const SLOT_GLOSSY_MULTIPLE: u32 = 5u;
+const SLOT_GLOSSY_MULTIPLE_TURNED: u32 = 8u;
+const SLOT_TINT_TRANSMISSION: u32 = 3u;
+const SLOT_FACTOR_GRAZING: u32 = 3u;
+const SLOT_FACTOR_EXPONENT: u32 = 6u;
+const SLOT_FACTOR_F82: u32 = 7u;
+const SLOT_LAYER_IMPORTANCE: u32 = 0u;
+const SLOT_LAYER_WEIGHT: u32 = 2u;
+const SLOT_LAYER_CURVE: u32 = 5u;
+
+struct Params {
+    v: array<f32, 384>
+}
+
+struct Program {
+    count: u32,
+    nodes: array<vec4u, 64>
+}
+
+fn param(p: ptr<function, Params>, slot: u32) -> f32 {
+    return p.v[u32(slot)];
+}
+
+fn param3(p: ptr<function, Params>, slot: u32) -> vec3f {
+    return vec3f(p.v[u32(slot)], p.v[u32((slot + 1u))], p.v[u32((slot + 2u))]);
+}
+const FRAC_1_SQRT_PI: f32 = 0.56418958;
+const HALF_SQRT_PI: f32 = 0.88622693;
+
+struct Glossy {
+    op: u32,
+    facets: u32,
+    ggx: Ggx
+}
+
+fn glossy_new(op: u32, ggx: Ggx) -> Glossy {
+    let beckmann = (((op == OP_BECKMANN_SMITH) || (op == OP_BECKMANN_VCAVITIES)) || (op == OP_WARD));
+    let phong = ((op == OP_SIMPLE_GLOSSY) || (op == OP_BACKSCATTERING));
+    let other = select(FACETS_GGX, FACETS_SHEEN, (op == OP_SHEEN));
+    let facets = select(select(other, FACETS_PHONG, phong), FACETS_BECKMANN, beckmann);
+    return Glossy(op, facets, ggx);
+}
+
+fn beckmann_area(alpha: vec2f, w: vec3f) -> f32 {
+    let z = abs(w.z);
+    let x = (alpha.x * w.x);
+    let y = (alpha.y * w.y);
+    let s = sqrt(((x * x) + (y * y)));
+    let a = (z / max(s, 1e-30));
+    if (a > 5.0) {
+        return z;
+    }
+    return (0.5 * ((z * (1.0 + math_erf(a))) + ((s * math_exp((-a * a))) * FRAC_1_SQRT_PI)));
+}
+
+fn glossy_visible(lobe: Glossy, wo: vec3f, mz: f32, om: f32) -> f32 {
+    if (lobe.op == OP_BECKMANN_SMITH) {
+        return (1.0 / max(beckmann_area(lobe.ggx.alpha, wo), 1e-37));
+    }
+    return min((1.0 / max(wo.z, 1e-37)), ((2.0 * mz) / max(om, 1e-37)));
+}
+
+fn glossy_shadowing(
+    lobe: Glossy,
+    wo: vec3f,
+    wi: vec3f,
+    mz: f32,
+    om: f32,
+    im: f32,
+    visible: f32,
+) -> f32 {
+    let iz = abs(wi.z);
+    if (lobe.op == OP_BECKMANN_SMITH) {
+        return (iz / max(beckmann_area(lobe.ggx.alpha, wi), 1e-37));
+    }
+    if (lobe.op == OP_WARD) {
+        return (iz / max(((visible * om) * om), 1e-37));
+    }
+    let seen = max((visible * wo.z), 1e-37);
+    let lit = min(1.0, (((2.0 * mz) * iz) / max(im, 1e-37)));
+    let through = ((wi.z < 0.0) && !lobe.ggx.thin_walled);
+    return select(min((lit / seen), 1.0), (max(((seen + lit) - 1.0), 0.0) / seen), through);
+}
+
+fn glossy_eval(lobe: Glossy, wo: vec3f, wi: vec3f) -> LobeValue {
+    if (lobe.op == OP_GGX_SMITH) {
+        return ggx_eval(lobe.ggx, wo, wi);
+    }
+    if ((wo.z <= 0.0) || (wi.z == 0.0)) {
+        return lobe_zero();
+    }
+    if ((wi.z < 0.0) && (lobe.ggx.mode == MODE_REFLECT)) {
+        return lobe_zero();
+    }
+    if ((wi.z < 0.0) && !lobe.ggx.thin_walled) {
+        return glossy_eval_refraction(lobe, wo, wi);
+    }
+    let turn = select(1.0, -1.0, (lobe.op == OP_BACKSCATTERING));
+    let mirrored = vec3f((turn * wi.x), (turn * wi.y), abs(wi.z));
+    let h = (wo + mirrored);
+    let h2 = dot(h, h);
+    if (h2 < 1e-30) {
+        return lobe_zero();
+    }
+    let length = sqrt(h2);
+    let om = min((0.5 * length), 1.0);
+    let mz = (h.z / length);
+    let reflected = ggx_reflectance(lobe.ggx, om);
+    let share = select((1.0 - reflected), reflected, (wi.z > 0.0));
+    let visible = glossy_visible(lobe, wo, mz, om);
+    let pdf = (((0.25 * share) * facets_d(lobe.facets, lobe.ggx.alpha, h, h2)) * visible);
+    if !(pdf > 0.0) {
+        return lobe_zero();
+    }
+    return LobeValue((pdf * glossy_shadowing(lobe, wo, mirrored, mz, om, om, visible)), pdf);
+}
+
+fn glossy_eval_refraction(lobe: Glossy, wo: vec3f, wi: vec3f) -> LobeValue {
+    let eta = lobe.ggx.eta;
+    if (abs((eta - 1.0)) < ETA_MATCH) {
+        return lobe_zero();
+    }
+    let sum = (wo + (wi * eta));
+    let h = (sum * select(-1.0, 1.0, (sum.z >= 0.0)));
+    let h2 = dot(h, h);
+    let oh = dot(wo, h);
+    let ih = dot(wi, h);
+    if (((oh <= 0.0) || (ih >= 0.0)) || (h2 < 1e-30)) {
+        return lobe_zero();
+    }
+    let length = sqrt(h2);
+    let om = min((oh / length), 1.0);
+    let mz = (h.z / length);
+    let transmitted = (1.0 - ggx_reflectance(lobe.ggx, om));
+    let visible = glossy_visible(lobe, wo, mz, om);
+    let jacobian = (((eta * eta) * (oh / h2)) * (-ih / h2));
+    let pdf = (((transmitted * facets_d(lobe.facets, lobe.ggx.alpha, h, h2)) * visible) * jacobian);
+    if !(pdf > 0.0) {
+        return lobe_zero();
+    }
+    return LobeValue((pdf * glossy_shadowing(lobe, wo, wi, mz, om, (-ih / length), visible)), pdf);
+}
+
+fn beckmann_sample_normal(alpha: vec2f, wo: vec3f, u: vec2f) -> vec3f {
+    let x = (alpha.x * wo.x);
+    let y = (alpha.y * wo.y);
+    let s = sqrt(((x * x) + (y * y)));
+    let axis = normalize_or(vec3f(x, y, 0.0), vec3f(1.0, 0.0, 0.0));
+    let c = min((wo.z / max(s, 1e-30)), 1e6);
+    let t = beckmann_slope(c, u.y);
+    let towards = min((0.5 + ((0.5 * t) / max(c, 1e-30))), 1.0);
+    let positive = (u.x < towards);
+    let ux = select(((u.x - towards) / (1.0 - towards)), (u.x / towards), positive);
+    let along = select(-t, t, positive);
+    let across = math_erf_inverse(clamp(((2.0 * ux) - 1.0), -0.99999994, 0.99999994));
+    let mx = ((axis.x * along) - (axis.y * across));
+    let my = ((axis.y * along) + (axis.x * across));
+    return normalize_or(vec3f((alpha.x * mx), (alpha.y * my), 1.0), vec3f(0.0, 0.0, 1.0));
+}
+
+fn beckmann_slope(c: f32, u: f32) -> f32 {
+    let near = (c < 5.0);
+    let e = select(0.0, math_erfc(c), near);
+    let body = (((2.0 * HALF_SQRT_PI) * c) * (1.0 - e));
+    let ring = select(0.0, (0.5 * math_exp((-c * c))), near);
+    let tail = ((HALF_SQRT_PI * c) * e);
+    let v = (u * ((body + ring) + tail));
+    if (v < body) {
+        return min(math_erf_inverse(min(((v / body) * (1.0 - e)), 0.99999994)), c);
+    }
+    if (v < (body + ring)) {
+        return sqrt(((c * c) - math_log(clamp(((v - body) / ring), 5.9604645e-8, 1.0))));
+    }
+    let w = clamp((((v - body) - ring) / max(tail, 1e-37)), 5.9604645e-8, 1.0);
+    return max(math_erfc_inverse((w * e)), c);
+}
+
+fn glossy_keep(wo: vec3f, m: vec3f) -> f32 {
+    let flat = ((wo.x * m.x) + (wo.y * m.y));
+    let own = max(((wo.z * m.z) + flat), 0.0);
+    let sum = (own + max(((wo.z * m.z) - flat), 0.0));
+    return select(1.0, (own / sum), (sum > 0.0));
+}
+
+struct FacetSample {
+    m: vec3f,
+    rest: f32
+}
+
+fn glossy_sample_facet(lobe: Glossy, wo: vec3f, u: vec2f, uc: f32) -> FacetSample {
+    if (lobe.op == OP_BECKMANN_SMITH) {
+        return FacetSample(beckmann_sample_normal(lobe.ggx.alpha, wo, u), uc);
+    }
+    let m = facets_sample(lobe.facets, lobe.ggx.alpha, u);
+    let keep = glossy_keep(wo, m);
+    let kept = (uc < keep);
+    let turn = select(-1.0, 1.0, kept);
+    let rest = select(((uc - keep) / (1.0 - keep)), (uc / keep), kept);
+    return FacetSample(vec3f((turn * m.x), (turn * m.y), m.z), rest);
+}
+
+fn glossy_sample(lobe: Glossy, wo: vec3f, u: vec2f, uc: f32) -> LobeSample {
+    if (lobe.op == OP_GGX_SMITH) {
+        return ggx_sample(lobe.ggx, wo, u, uc);
+    }
+    if (wo.z <= 0.0) {
+        return lobe_absorb();
+    }
+    let solid = !lobe.ggx.thin_walled;
+    if (((lobe.ggx.mode != MODE_REFLECT) && solid) && (abs((lobe.ggx.eta - 1.0)) < ETA_MATCH)) {
+        return LobeSample(vec3f(-wo.x, -wo.y, -wo.z), (EVENT_SPECULAR | EVENT_TRANSMISSION));
+    }
+    let facet = glossy_sample_facet(lobe, wo, u, uc);
+    let wm = facet.m;
+    let c = min(dot(wo, wm), 1.0);
+    if (c <= 0.0) {
+        return lobe_absorb();
+    }
+    let mirror = ((wm * (2.0 * c)) - wo);
+    let reflects = (facet.rest < ggx_reflectance(lobe.ggx, c));
+    if (reflects || lobe.ggx.thin_walled) {
+        if (mirror.z <= 0.0) {
+            return lobe_absorb();
+        }
+        let turn = select(1.0, -1.0, (lobe.op == OP_BACKSCATTERING));
+        let side = select(EVENT_TRANSMISSION, EVENT_REFLECTION, reflects);
+        let wi = vec3f((turn * mirror.x), (turn * mirror.y), select(-mirror.z, mirror.z, reflects));
+        return LobeSample(normalize_or(wi, vec3f(0.0, 0.0, 1.0)), (EVENT_GLOSSY | side));
+    }
+    let wi = normalize_or(refract_at(wo, wm, c, lobe.ggx.eta), vec3f(0.0, 0.0, -1.0));
+    if (wi.z >= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_GLOSSY | EVENT_TRANSMISSION));
+}
+const GLOSSY_CELLS: u32 = 16u;
+
+fn glossy_albedo(lobe: Glossy, wo: vec3f) -> f32 {
+    if (lobe.op == OP_GGX_SMITH) {
+        return ggx_albedo(lobe.ggx, wo);
+    }
+    if (wo.z <= 0.0) {
+        return 0.0;
+    }
+    let step = (1.0 / f32(GLOSSY_CELLS));
+    var sum: f32 = 0.0;
+    for (var i = 0u; i < GLOSSY_CELLS; i++) {
+        for (var j = 0u; j < GLOSSY_CELLS; j++) {
+            let turn = (0.25 + (0.5 * f32((j % 2u))));
+            let u = vec2f(((f32(i) + turn) * step), ((f32(j) + 0.5) * step));
+            if (lobe.op == OP_BECKMANN_SMITH) {
+                sum += glossy_normal_albedo(lobe, wo, beckmann_sample_normal(lobe.ggx.alpha, wo, u));
+            } else {
+                let m = facets_sample(lobe.facets, lobe.ggx.alpha, u);
+                let keep = glossy_keep(wo, m);
+                let twin = vec3f(-m.x, -m.y, m.z);
+                sum += (keep * glossy_normal_albedo(lobe, wo, m));
+                sum += ((1.0 - keep) * glossy_normal_albedo(lobe, wo, twin));
+            }
+        }
+    }
+    return unit(((sum * step) * step));
+}
+
+fn glossy_normal_albedo(lobe: Glossy, wo: vec3f, wm: vec3f) -> f32 {
+    let c = clamp(dot(wo, wm), 1e-7, 1.0);
+    let mirror = ((wm * (2.0 * c)) - wo);
+    let r = ggx_reflectance(lobe.ggx, c);
+    let visible = glossy_visible(lobe, wo, wm.z, c);
+    let leaves = glossy_shadowing(lobe, wo, mirror, wm.z, c, c, visible);
+    let above = select(0.0, leaves, (mirror.z > 0.0));
+    if lobe.ggx.thin_walled {
+        return select(above, (r * above), (lobe.ggx.mode == MODE_REFLECT));
+    }
+    if (r >= 1.0) {
+        return above;
+    }
+    let wt = refract_at(wo, wm, c, lobe.ggx.eta);
+    let im = max(-dot(wt, wm), 1e-7);
+    let below = select(0.0, glossy_shadowing(lobe, wo, wt, wm.z, c, im, visible), (wt.z < 0.0));
+    return ((r * above) + ((1.0 - r) * below));
+}
+const ANISOTROPIC_SHARE: f32 = 0.4;
+
+fn quintic(
+    x: f32,
+    c0: f32,
+    c1: f32,
+    c2: f32,
+    c3: f32,
+    c4: f32,
+    c5: f32,
+) -> f32 {
+    return (c0 + (x * (c1 + (x * (c2 + (x * (c3 + (x * (c4 + (x * c5))))))))));
+}
+
+fn septic(a: vec4f, b: vec4f, x: f32) -> f32 {
+    let x2 = (x * x);
+    return (x * (cubic(a, x) + ((x2 * x2) * cubic(b, x))));
+}
+
+fn glossy_loss(op: u32, alpha: f32, mu: f32) -> f32 {
+    if (op == OP_GGX_SMITH) {
+        return (1.0 - ggx_albedo_reflection(alpha, mu));
+    }
+    return unit(glossy_loss_fit(op, alpha, (mu / (mu + alpha))));
+}
+
+fn glossy_loss_fit(op: u32, alpha: f32, t: f32) -> f32 {
+    if (op == OP_BECKMANN_SMITH) {
+        return ((quintic(t, cubic(vec4f(0.021802, 0.045393, -0.142594, 0.159352), alpha), cubic(vec4f(0.988651, -1.665541, 6.074658, -6.281233), alpha), cubic(vec4f(-9.102284, 10.638974, -41.186515, 58.886292), alpha), cubic(vec4f(34.781518, -21.754057, 92.344188, -200.699361), alpha), cubic(vec4f(-50.830193, 18.813976, -73.714033, 305.968498), alpha), cubic(vec4f(24.346131, 0.416989, -24.107794, -127.060070), alpha)) * (1.0 - t)) - 0.0122);
+    }
+    if (op == OP_GGX_VCAVITIES) {
+        return ((quintic(t, cubic(vec4f(-0.008323, 0.108912, -0.236580, 0.128574), alpha), cubic(vec4f(0.424339, -5.695830, 13.279786, -6.594141), alpha), cubic(vec4f(-1.880651, 45.226224, -101.641659, 49.285747), alpha), cubic(vec4f(5.294266, -137.745869, 288.455789, -104.569487), alpha), cubic(vec4f(-4.650027, 160.118475, -264.618354, 21.517689), alpha), cubic(vec4f(0.537228, -59.072841, 62.261869, 56.025987), alpha)) * (1.0 - t)) - 0.0092);
+    }
+    if (op == OP_BECKMANN_VCAVITIES) {
+        return ((quintic(t, cubic(vec4f(-0.010230, 0.018238, -0.073328, 0.075293), alpha), cubic(vec4f(0.889358, -2.636960, 5.424865, -3.797450), alpha), cubic(vec4f(-8.649434, 33.620016, -46.989163, 26.424348), alpha), cubic(vec4f(33.171436, -124.495237, 88.632953, -9.432715), alpha), cubic(vec4f(-47.312800, 164.886076, 56.530435, -147.565152), alpha), cubic(vec4f(21.998805, -64.394149, -171.026574, 210.811133), alpha)) * (1.0 - t)) - 0.0102);
+    }
+    if (op == OP_WARD) {
+        return ((quintic(t, cubic(vec4f(0.001752, 0.001966, 0.002140, -0.001852), alpha), cubic(vec4f(1.878180, -0.151267, 1.418887, 0.069267), alpha), cubic(vec4f(-8.377758, 2.079050, -1.427905, -5.074465), alpha), cubic(vec4f(25.245173, -9.256740, 0.172648, 32.255229), alpha), cubic(vec4f(-33.777125, 13.250828, 34.693919, -96.458424), alpha), cubic(vec4f(15.026973, -3.424186, -53.048371, 103.911503), alpha)) * (1.0 - t)) - 0.0042);
+    }
+    return ((quintic(t, cubic(vec4f(-0.008120, 0.003526, -0.016629, 0.020310), alpha), cubic(vec4f(0.728445, -1.606569, 2.006682, -0.290509), alpha), cubic(vec4f(-7.013312, 28.780173, -33.148672, 3.983721), alpha), cubic(vec4f(27.522584, -125.834159, 106.311619, 33.679482), alpha), cubic(vec4f(-39.542451, 187.256063, -37.511482, -185.320918), alpha), cubic(vec4f(18.357836, -85.225327, -87.451879, 209.495401), alpha)) * (1.0 - t)) - 0.0086);
+}
+
+fn glossy_mean_loss(op: u32, alpha: f32) -> f32 {
+    if (op == OP_GGX_SMITH) {
+        let fit = septic(vec4f(0.004882, -0.158280, 1.646612, -1.995153), vec4f(5.954788, -10.009254, 6.858552, -1.678813), sqrt(alpha));
+        return select(1.5e-3, fit, (alpha > 0.0158));
+    }
+    let low = select(select(0.08, 0.055, (op == OP_GGX_VCAVITIES)), 0.035, (op == OP_WARD));
+    return select(4e-3, glossy_mean_fit(op, alpha), (alpha > low));
+}
+
+fn glossy_mean_fit(op: u32, alpha: f32) -> f32 {
+    if (op == OP_BECKMANN_SMITH) {
+        return (1.031 * septic(vec4f(0.776266, -9.859455, 49.316661, -123.280267), vec4f(163.743781, -108.873836, 28.502858, 0.0), sqrt(alpha)));
+    }
+    if (op == OP_GGX_VCAVITIES) {
+        return (1.051 * septic(vec4f(0.703076, -8.272438, 35.092877, -65.913792), vec4f(60.521567, -23.495213, 1.787187, 0.0), sqrt(alpha)));
+    }
+    if (op == OP_BECKMANN_VCAVITIES) {
+        return (1.034 * septic(vec4f(0.751613, -10.486248, 57.827619, -160.032237), vec4f(235.136586, -172.824955, 49.959916, 0.0), sqrt(alpha)));
+    }
+    if (op == OP_WARD) {
+        return (1.025 * septic(vec4f(0.169989, -2.488991, 12.890915, -27.194534), vec4f(32.245917, -20.014306, 4.893565, 0.0), sqrt(alpha)));
+    }
+    return (1.032 * septic(vec4f(0.234031, -3.721095, 22.868775, -69.282870), vec4f(110.870247, -87.351624, 26.649299, 0.0), sqrt(alpha)));
+}
+
+fn sheen_albedo(roughness: f32, mu: f32) -> f32 {
+    let s = sqrt(sane_alpha(roughness));
+    let x = (mu / (mu + s));
+    let high = quintic(x, cubic(vec4f(0.225990, -2.089430, 9.217020, -6.675080), s), cubic(vec4f(6.077950, 26.949260, -119.293230, 91.061080), s), cubic(vec4f(-29.025440, -121.993140, 574.623020, -451.231840), s), cubic(vec4f(72.082260, 241.820380, -1254.302160, 1034.914170), s), cubic(vec4f(-77.316420, -222.952150, 1312.775150, -1147.620360), s), cubic(vec4f(28.944620, 79.654320, -538.701070, 494.047370), s));
+    return unit(((1.0 - (cubic(vec4f(0.003170, 0.039620, -0.156030, 0.117590), s) + (x * high))) + 0.007));
+}
+
+struct Multiscatter {
+    loss: f32,
+    inverse_mean: f32,
+    reflected: f32,
+    transmitted: f32
+}
+
+fn lobe_loss(lobe: Glossy, mu: f32) -> f32 {
+    let loss = glossy_loss(lobe.op, lobe.ggx.alpha.x, mu);
+    if (lobe.ggx.alpha.x == lobe.ggx.alpha.y) {
+        return loss;
+    }
+    return (ANISOTROPIC_SHARE * min(loss, glossy_loss(lobe.op, lobe.ggx.alpha.y, mu)));
+}
+
+fn multiscatter_new(lobe: Glossy, wo: vec3f) -> Multiscatter {
+    let alpha = lobe.ggx.alpha;
+    let mode = lobe.ggx.mode;
+    var reflected: f32 = 1.0;
+    var transmitted: f32 = 0.0;
+    if (mode != MODE_REFLECT) {
+        reflected = select(0.0, fresnel_dielectric(1.0, lobe.ggx.eta), (mode == MODE_REFLECT_TRANSMIT));
+        if lobe.ggx.thin_walled {
+            transmitted = (1.0 - reflected);
+        }
+    }
+    var mean_loss: f32 = glossy_mean_loss(lobe.op, alpha.x);
+    if (alpha.x != alpha.y) {
+        mean_loss = (ANISOTROPIC_SHARE * min(mean_loss, glossy_mean_loss(lobe.op, alpha.y)));
+    }
+    return Multiscatter(lobe_loss(lobe, unit(wo.z)), (1.0 / mean_loss), reflected, transmitted);
+}
+
+fn multiscatter_eval(m: Multiscatter, lobe: Glossy, wi: vec3f) -> LobeValue {
+    let mu = abs(wi.z);
+    let share = select(m.reflected, m.transmitted, (wi.z < 0.0));
+    let lambert = (mu * FRAC_1_PI);
+    return LobeValue(((((share * m.loss) * lobe_loss(lobe, min(mu, 1.0))) * m.inverse_mean) * lambert), select(0.0, ((share / (m.reflected + m.transmitted)) * lambert), (share > 0.0)));
+}
+
+fn multiscatter_single(m: Multiscatter, single: vec3f, multiple: vec3f) -> f32 {
+    let a = (max3(single) * (1.0 - m.loss));
+    let sum = (a + ((max3(multiple) * m.loss) * (m.reflected + m.transmitted)));
+    return select(1.0, (a / sum), (sum > 0.0));
+}
+struct ShadingPoint {
+    geometry_normal: vec3f,
+    ior_near: vec3f,
+    ior_far: vec3f,
+    near: f32,
+    far: f32,
+    eta: f32,
+    flags: u32
+}
+const POINT_THIN_WALLED: u32 = 1u;
+const POINT_INSIDE: u32 = 2u;
+
+fn shading_point(geometry_normal: vec3f, ior_near: vec3f, ior_far: vec3f, flags: u32) -> ShadingPoint {
+    let near = mean3(ior_near);
+    let far = mean3(ior_far);
+    return ShadingPoint(geometry_normal, ior_near, ior_far, near, far, sane_eta((far / near)), flags);
+}
+
+fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
+    let inside = ((flags & POINT_INSIDE) != 0u);
+    return sane_eta((select(ior, far, inside) / select(near, ior, inside)));
+}
+
+fn schlick_curve(normal: vec3f, grazing: vec3f, exponent: f32, c: f32) -> vec3f {
+    return unit3((normal + ((grazing - normal) * schlick_weight(c, exponent))));
+}
+
+fn f82_curve(
+    normal: vec3f,
+    grazing: vec3f,
+    f82: vec3f,
+    exponent: f32,
+    c: f32,
+) -> vec3f {
+    let plain = (normal + ((grazing - normal) * schlick_weight(c, exponent)));
+    let at_82 = (normal + ((grazing - normal) * schlick_weight((1.0 / 7.0), exponent)));
+    let m = (1.0 - c);
+    let m2 = (m * m);
+    let bump = ((((17.651384 * c) * m2) * m2) * m2);
+    return unit3((plain - ((at_82 * (splat3(1.0) - unit3(f82))) * bump)));
+}
+
+struct LayerCurve {
+    seen: vec3f,
+    lit: vec3f,
+    half: vec3f,
+    front: vec3f
+}
+
+fn color_coating_eta(ior: vec3f, point: ShadingPoint) -> vec3f {
+    return vec3f(coating_eta(ior.x, point.ior_near.x, point.ior_far.x, point.flags), coating_eta(ior.y, point.ior_near.y, point.ior_far.y, point.flags), coating_eta(ior.z, point.ior_near.z, point.ior_far.z, point.flags));
+}
+
+fn color_fresnel(c: f32, eta: vec3f) -> vec3f {
+    return vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z));
+}
+
+fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
+    let normal = param3(p, slot);
+    let grazing = param3(p, (slot + 3u));
+    let exponent = param(p, (slot + 6u));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        return f82_curve(normal, grazing, param3(p, (slot + 7u)), exponent, c);
+    }
+    return schlick_curve(normal, grazing, exponent, c);
+}
+
+fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    let op = (n.x & OP_MASK);
+    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return (weight * fresnel_dielectric(c, eta));
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        return (weight * color_fresnel(c, color_coating_eta(param3(p, slot), point)));
+    }
+    if (op == OP_CUSTOM_CURVE_LAYER) {
+        return (weight * node_schlick(n, p, slot, c));
+    }
+    if (op == OP_SHEEN_LAYER) {
+        return (weight * sheen_albedo(param(p, slot), c));
+    }
+    return weight;
+}
+
+fn layer_curve(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    seen: f32,
+    lit: f32,
+    half: f32,
+) -> LayerCurve {
+    let op = (n.x & OP_MASK);
+    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        let eta = color_coating_eta(param3(p, slot), point);
+        return LayerCurve((weight * color_fresnel(seen, eta)), (weight * color_fresnel(lit, eta)), (weight * color_fresnel(half, eta)), splat3(0.0));
+    }
+    if (op == OP_SHEEN_LAYER) {
+        let roughness = param(p, slot);
+        return LayerCurve((weight * sheen_albedo(roughness, seen)), (weight * sheen_albedo(roughness, lit)), weight, splat3(0.0));
+    }
+    return LayerCurve((weight * node_schlick(n, p, slot, seen)), (weight * node_schlick(n, p, slot, lit)), (weight * node_schlick(n, p, slot, half)), (weight * unit3(param3(p, slot))));
+}
+
+fn layer_normal_slot(n: vec4u) -> u32 {
+    let op = (n.x & OP_MASK);
+    let slot = (n.y + SLOT_LAYER_CURVE);
+    if ((op == OP_FRESNEL_LAYER) || (op == OP_SHEEN_LAYER)) {
+        return (slot + 1u);
+    }
+    if (op == OP_COLOR_FRESNEL_LAYER) {
+        return (slot + 3u);
+    }
+    if (op == OP_CUSTOM_CURVE_LAYER) {
+        return (slot + select(7u, 10u, ((n.x & FLAG_COLOR) != 0u)));
+    }
+    return slot;
+}
+fn sample_concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let wide = (abs(a) > abs(b));
+    let r = select(b, a, wide);
+    let ratio = (select(a, b, wide) / r);
+    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
+    let sc = math_sincos(angle);
+    return vec2f((r * sc.y), (r * sc.x));
+}
+
+fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
+    let d = sample_concentric_disc(u);
+    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
+}
+const FUJII_LOSS: f32 = 0.2877934;
+const FUJII_MEAN: f32 = 0.07248821;
+
+struct DiffuseReflection {
+    roughness: f32,
+    a: f32,
+    b: f32
+}
+
+struct DiffuseValue {
+    single: f32,
+    multiple: f32,
+    pdf: f32
+}
+
+fn diffuse_reflection_new(roughness: f32) -> DiffuseReflection {
+    let r = unit(roughness);
+    let a = (1.0 / (1.0 + (FUJII_LOSS * r)));
+    return DiffuseReflection(r, a, (a * r));
+}
+
+fn diffuse_reflection_eval(lobe: DiffuseReflection, wo: vec3f, wi: vec3f) -> DiffuseValue {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return DiffuseValue(0.0, 0.0, 0.0);
+    }
+    let lambert = (wi.z * FRAC_1_PI);
+    if (lobe.roughness == 0.0) {
+        return DiffuseValue(lambert, 0.0, lambert);
+    }
+    let s = (dot(wo, wi) - (wo.z * wi.z));
+    let t = select(1.0, max(wo.z, wi.z), (s > 0.0));
+    return DiffuseValue(((lobe.a + ((lobe.b * s) / t)) * lambert), ((((lobe.b * fujii_missing(wo.z)) * fujii_missing(wi.z)) / (FUJII_LOSS - FUJII_MEAN)) * lambert), lambert);
+}
+
+fn diffuse_reflection_sample(u: vec2f) -> LobeSample {
+    let wi = sample_cosine_hemisphere(u);
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_DIFFUSE | EVENT_REFLECTION));
+}
+
+fn fujii_missing(mu: f32) -> f32 {
+    let c = unit(mu);
+    let s = sqrt(((1.0 - c) * (1.0 + c)));
+    let theta = math_acos(c);
+    let g = ((s * (theta - (s * c))) + ((2.0 / 3.0) * ((((s * c) * ((1.0 + s) + (s * s))) / (1.0 + s)) - s)));
+    return max((FUJII_LOSS - (g * FRAC_1_PI)), 0.0);
+}
+
+fn diffuse_reflection_albedo(lobe: DiffuseReflection, mu: f32) -> f32 {
+    return (1.0 - (lobe.b * fujii_missing(mu)));
+}
+fn diffuse_transmission_eval(wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((wo.z <= 0.0) || (wi.z >= 0.0)) {
+        return lobe_zero();
+    }
+    let lambert = (-wi.z * FRAC_1_PI);
+    return LobeValue(lambert, lambert);
+}
+
+fn diffuse_transmission_sample(u: vec2f) -> LobeSample {
+    let wi = sample_cosine_hemisphere(u);
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(vec3f(wi.x, wi.y, -wi.z), (EVENT_DIFFUSE | EVENT_TRANSMISSION));
+}
 struct BsdfValue {
     diffuse: vec3f,
     glossy: vec3f,
@@ -1149,6 +1645,71 @@ fn node_ggx(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Ggx {
     return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), point.eta);
 }
 
+fn node_glossy(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Glossy {
+    return glossy_new((n.x & OP_MASK), node_ggx(n, p, point));
+}
+
+fn node_multiple(n: vec4u, p: ptr<function, Params>) -> vec3f {
+    let turned = ((n.x & FLAG_VECTOR) != 0u);
+    return unit3(param3(p, (n.y + select(SLOT_GLOSSY_MULTIPLE, SLOT_GLOSSY_MULTIPLE_TURNED, turned))));
+}
+
+fn node_glossy_eval(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    o: vec3f,
+    i: vec3f,
+) -> BsdfValue {
+    let zero = splat3(0.0);
+    let tint = unit3(param3(p, (n.y + SLOT_TINT)));
+    let lobe = node_glossy(n, p, point);
+    let v = glossy_eval(lobe, o, i);
+    if (((n.x & FLAG_COLOR) == 0u) || (o.z <= 0.0)) {
+        return BsdfValue(zero, (tint * v.f), v.pdf, zero);
+    }
+    let multiple = node_multiple(n, p);
+    let m = multiscatter_new(lobe, o);
+    let more = multiscatter_eval(m, lobe, i);
+    let q = multiscatter_single(m, tint, multiple);
+    let pdf = ((q * v.pdf) + ((1.0 - q) * more.pdf));
+    return BsdfValue(zero, ((tint * v.f) + (multiple * more.f)), pdf, zero);
+}
+
+fn node_glossy_sample(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    o: vec3f,
+    u: vec3f,
+) -> LobeSample {
+    let lobe = node_glossy(n, p, point);
+    var uz: f32 = u.z;
+    if ((n.x & FLAG_COLOR) != 0u) {
+        let m = multiscatter_new(lobe, o);
+        let q = multiscatter_single(m, unit3(param3(p, (n.y + SLOT_TINT))), node_multiple(n, p));
+        let single = (uz < q);
+        uz = reuse_random(uz, q, single);
+        if !single {
+            let wi = sample_cosine_hemisphere(u.xy);
+            let up = ((uz * (m.reflected + m.transmitted)) < m.reflected);
+            let side = select(EVENT_TRANSMISSION, EVENT_REFLECTION, up);
+            return LobeSample(vec3f(wi.x, wi.y, select(-wi.z, wi.z, up)), select(EVENT_ABSORB, (EVENT_GLOSSY | side), (wi.z > 0.0)));
+        }
+    }
+    return glossy_sample(lobe, o, u.xy, uz);
+}
+
+fn node_glossy_albedo(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, o: vec3f) -> vec3f {
+    let lobe = node_glossy(n, p, point);
+    var result: vec3f = (unit3(param3(p, (n.y + SLOT_TINT))) * glossy_albedo(lobe, o));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        let m = multiscatter_new(lobe, o);
+        result += (node_multiple(n, p) * (m.loss * (m.reflected + m.transmitted)));
+    }
+    return unit3(result);
+}
+
 fn node_is_turned(n: vec4u, normal: u32) -> bool {
     return ((normal != NO_SLOT) || ((n.x & FLAG_VECTOR) != 0u));
 }
@@ -1251,10 +1812,12 @@ fn leaf_eval(
         let v = diffuse_transmission_eval(o, i);
         result.diffuse = (tint * v.f);
         result.pdf = v.pdf;
-    } else if (op == OP_GGX_SMITH) {
+    } else if ((op == OP_GGX_SMITH) && ((n.x & FLAG_COLOR) == 0u)) {
         let v = ggx_eval(node_ggx(n, p, point), o, i);
         result.glossy = (tint * v.f);
         result.pdf = v.pdf;
+    } else {
+        result = node_glossy_eval(n, p, point, o, i);
     }
     return result;
 }
@@ -1286,8 +1849,10 @@ fn leaf_sample(
     } else if (op == OP_SPECULAR) {
         let thin = ((point.flags & POINT_THIN_WALLED) != 0u);
         s = specular_sample(n.w, thin, point.eta, o, u.z);
-    } else if (op == OP_GGX_SMITH) {
+    } else if ((op == OP_GGX_SMITH) && ((n.x & FLAG_COLOR) == 0u)) {
         s = ggx_sample(node_ggx(n, p, point), o, u.xy, u.z);
+    } else if (op >= OP_GGX_SMITH) {
+        s = node_glossy_sample(n, p, point, o, u);
     }
     if turned {
         s.wi = normalize_or(frame_from_local(frame, s.wi), s.wi);
@@ -1399,8 +1964,8 @@ fn leaf_albedo(
         result.diffuse = tint;
     } else if (op == OP_SPECULAR) {
         result.glossy = tint;
-    } else if (op == OP_GGX_SMITH) {
-        result.glossy = (tint * ggx_albedo(node_ggx(n, p, point), o));
+    } else {
+        result.glossy = node_glossy_albedo(n, p, point, o);
     }
     return result;
 }

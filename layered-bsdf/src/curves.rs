@@ -7,6 +7,7 @@ pub mod code {
     //! Shared with the GPU.
     use crate::frame::code::*;
     use crate::fresnel::code::*;
+    use crate::lobes::multiscatter::code::*;
     use crate::nodes::code::*;
     use wgsl_rs::std::*;
 
@@ -123,6 +124,9 @@ pub mod code {
         if op == OP_CUSTOM_CURVE_LAYER {
             return weight * node_schlick(n, p, slot, c);
         }
+        if op == OP_SHEEN_LAYER {
+            return weight * sheen_albedo(param(p, slot), c);
+        }
         weight
     }
 
@@ -156,6 +160,16 @@ pub mod code {
                 front: splat3(0.0),
             };
         }
+        if op == OP_SHEEN_LAYER {
+            // All of the lobe, over what its albedo leaves.
+            let roughness = param(p, slot);
+            return LayerCurve {
+                seen: weight * sheen_albedo(roughness, seen),
+                lit: weight * sheen_albedo(roughness, lit),
+                half: weight,
+                front: splat3(0.0),
+            };
+        }
         LayerCurve {
             seen: weight * node_schlick(n, p, slot, seen),
             lit: weight * node_schlick(n, p, slot, lit),
@@ -168,7 +182,7 @@ pub mod code {
     pub fn layer_normal_slot(n: Vec4u) -> u32 {
         let op = n.x & OP_MASK;
         let slot = n.y + SLOT_LAYER_CURVE;
-        if op == OP_FRESNEL_LAYER {
+        if op == OP_FRESNEL_LAYER || op == OP_SHEEN_LAYER {
             return slot + 1;
         }
         if op == OP_COLOR_FRESNEL_LAYER {

@@ -24,6 +24,9 @@ struct Operation {
 
 const LAYER: [(&str, u32); 2] = [("importance", 2), ("weight", 3)];
 
+const GLOSSY: [(&str, u32); 2] = [("tint", 3), ("roughness", 2)];
+const GLOSSY_MORE: [(u32, &str); 2] = [(FLAG_VECTOR, "tangent"), (FLAG_COLOR, "multiscatter tint")];
+
 fn operation(op: u32) -> Operation {
     type Row = (&'static str, &'static [(&'static str, u32)], &'static [(u32, &'static str)]);
     let (name, parameters, optional): Row = match op {
@@ -33,7 +36,14 @@ fn operation(op: u32) -> Operation {
         }
         OP_DIFFUSE_TRANSMISSION => ("diffuse transmission", &[("tint", 3)], &[]),
         OP_SPECULAR => ("specular", &[("tint", 3)], &[]),
-        OP_GGX_SMITH => ("GGX Smith", &[("tint", 3), ("roughness", 2)], &[(FLAG_VECTOR, "tangent")]),
+        OP_GGX_SMITH => ("GGX Smith", &GLOSSY, &GLOSSY_MORE),
+        OP_BECKMANN_SMITH => ("Beckmann Smith", &GLOSSY, &GLOSSY_MORE),
+        OP_GGX_VCAVITIES => ("GGX V-cavities", &GLOSSY, &GLOSSY_MORE),
+        OP_BECKMANN_VCAVITIES => ("Beckmann V-cavities", &GLOSSY, &GLOSSY_MORE),
+        OP_SIMPLE_GLOSSY => ("simple glossy", &GLOSSY, &GLOSSY_MORE),
+        OP_WARD => ("Ward", &GLOSSY, &GLOSSY_MORE),
+        OP_BACKSCATTERING => ("backscattering glossy", &GLOSSY, &GLOSSY_MORE),
+        OP_SHEEN => ("sheen", &GLOSSY, &[]),
         OP_TINT => ("tint", &[("tint", 3)], &[(FLAG_COLOR, "transmission tint")]),
         OP_SCALE => ("scale", &[("factor", 3)], &[]),
         OP_DIRECTIONAL_FACTOR => (
@@ -45,6 +55,9 @@ fn operation(op: u32) -> Operation {
         OP_FRESNEL_LAYER => ("Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 1)], &[(FLAG_VECTOR, "normal")]),
         OP_COLOR_FRESNEL_LAYER => {
             ("color Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 3)], &[(FLAG_VECTOR, "normal")])
+        }
+        OP_SHEEN_LAYER => {
+            ("layer of sheen", &[LAYER[0], LAYER[1], ("roughness", 1)], &[(FLAG_VECTOR, "normal")])
         }
         OP_CUSTOM_CURVE_LAYER => (
             "custom curve layer",
@@ -67,11 +80,12 @@ impl LayerProgram {
 fn describe(index: usize, word: u32, mut slot: u32, second: u32, mode: u32) -> NodeText {
     let op = word & OP_MASK;
     let operation = operation(op);
-    let mode = match (op, mode) {
-        (OP_SPECULAR | OP_GGX_SMITH, crate::lobes::MODE_REFLECT) => ", reflecting",
-        (OP_SPECULAR | OP_GGX_SMITH, crate::lobes::MODE_TRANSMIT) => ", transmitting",
-        (OP_SPECULAR | OP_GGX_SMITH, _) => ", reflecting and transmitting",
-        _ => "",
+    let has_mode = op == OP_SPECULAR || op >= OP_GGX_SMITH && op < OP_WARD;
+    let mode = match mode {
+        _ if !has_mode => "",
+        crate::lobes::MODE_REFLECT => ", reflecting",
+        crate::lobes::MODE_TRANSMIT => ", transmitting",
+        _ => ", reflecting and transmitting",
     };
     let present = operation.optional.iter().filter(|(flag, _)| word & flag != 0).map(|(_, name)| (*name, 3));
     let mut slots = Vec::new();

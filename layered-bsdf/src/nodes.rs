@@ -38,8 +38,22 @@ pub mod code {
     pub const OP_DIFFUSE_TRANSMISSION: u32 = 2;
     /// Specular: tint.
     pub const OP_SPECULAR: u32 = 3;
-    /// GGX microfacets: tint, roughness u and v, tangent if flagged.
+    /// GGX microfacets: tint, roughness u and v, tangent if flagged, [multiple scattering tint].
     pub const OP_GGX_SMITH: u32 = 4;
+    /// Beckmann microfacets with Smith masking; this and the following have the parameters of GGX.
+    pub const OP_BECKMANN_SMITH: u32 = 5;
+    /// GGX microfacets in V-shaped cavities.
+    pub const OP_GGX_VCAVITIES: u32 = 6;
+    /// Beckmann microfacets in V-shaped cavities.
+    pub const OP_BECKMANN_VCAVITIES: u32 = 7;
+    /// Phong microfacets in V-shaped cavities.
+    pub const OP_SIMPLE_GLOSSY: u32 = 8;
+    /// Ward's lobe.
+    pub const OP_WARD: u32 = 9;
+    /// Phong microfacets that send light back.
+    pub const OP_BACKSCATTERING: u32 = 10;
+    /// Sheen: tint, roughness twice.
+    pub const OP_SHEEN: u32 = 11;
     /// Tint of one child: colour, [colour for transmission].
     pub const OP_TINT: u32 = 16;
     /// Uniform scale of one child, not limited to 1: factor as colour.
@@ -55,6 +69,8 @@ pub mod code {
     /// Layer by Schlick's curve: importances, weight, reflectivity at normal and grazing incidence,
     /// exponent, normal if flagged, [colour at 82°].
     pub const OP_CUSTOM_CURVE_LAYER: u32 = 35;
+    /// What sheen leaves to its base: importances, weight, roughness, normal if flagged.
+    pub const OP_SHEEN_LAYER: u32 = 36;
     /// Diffuse emission; no parameters.
     pub const OP_DIFFUSE_EDF: u32 = 64;
 
@@ -75,6 +91,10 @@ pub mod code {
     pub const SLOT_GLOSSY_ALPHA: u32 = 3;
     /// Slot of the tangent of a glossy lobe.
     pub const SLOT_GLOSSY_TANGENT: u32 = 5;
+    /// Slot of the multiple scattering tint of a glossy lobe without a tangent.
+    pub const SLOT_GLOSSY_MULTIPLE: u32 = 5;
+    /// The same of one with a tangent.
+    pub const SLOT_GLOSSY_MULTIPLE_TURNED: u32 = 8;
     /// Slot of the second colour of a tint.
     pub const SLOT_TINT_TRANSMISSION: u32 = 3;
     /// Slot of the tint at grazing incidence.

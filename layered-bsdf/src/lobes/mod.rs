@@ -10,8 +10,11 @@
 
 pub mod diffuse_reflection;
 pub mod diffuse_transmission;
+pub mod facets;
 pub mod ggx;
 pub mod ggx_albedo;
+pub mod glossy;
+pub mod multiscatter;
 pub mod specular;
 
 use wgsl_rs::wgsl;

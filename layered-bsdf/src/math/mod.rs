@@ -14,6 +14,7 @@
 //! below hold only where the results are normal numbers.
 
 pub mod arith;
+pub mod erf;
 pub mod explog;
 pub mod hash;
 pub mod hyperbolic;
@@ -32,6 +33,7 @@ use wgsl_rs::wgsl;
 #[allow(missing_docs, reason = "the macro adds items without documentation")]
 pub mod code {
     pub use crate::math::arith::code::*;
+    pub use crate::math::erf::code::*;
     pub use crate::math::explog::code::*;
     pub use crate::math::hash::code::*;
     pub use crate::math::hyperbolic::code::*;

@@ -68,6 +68,36 @@ const fn binary(
 /// measured.
 const TURN: (f64, f64) = (2.0, 0.5);
 
+/// The error function and its complement, by series and continued fraction (Abramowitz and Stegun, 7.1.6
+/// and 7.1.14).
+fn erf_pair(x: f64) -> (f64, f64) {
+    use std::f64::consts::PI;
+    let a = x.abs();
+    let gauss = (-a * a).exp();
+    let (erf, erfc) = if a > 2.5 {
+        let fraction = (1..80).rev().fold(a, |f, n| a + 0.5 * f64::from(n) / f);
+        let erfc = gauss / (PI.sqrt() * fraction);
+        (1.0 - erfc, erfc)
+    } else {
+        let (mut term, mut sum) = (a, a);
+        for n in 1..60 {
+            term *= 2.0 * a * a / f64::from(2 * n + 1);
+            sum += term;
+        }
+        let erf = 2.0 / PI.sqrt() * gauss * sum;
+        (erf, 1.0 - erf)
+    };
+    if x < 0.0 { (-erf, 2.0 - erfc) } else { (erf, erfc) }
+}
+
+fn erf(x: f64) -> f64 {
+    if x.is_nan() { x } else { erf_pair(x).0 }
+}
+
+fn erfc(x: f64) -> f64 {
+    if x.is_nan() { x } else { erf_pair(x).1 }
+}
+
 /// All functions with a real meaning. Hashes have none.
 pub const FUNCTIONS: &[Function] = &[
     Function {
@@ -91,6 +121,8 @@ pub const FUNCTIONS: &[Function] = &[
     unary("math_log1p", (-0.999, f32::MAX), (3.0, 0.0), f64::ln_1p, code::math_log1p),
     binary("math_pow", [POSITIVE, (-300.0, 300.0)], (4.0, 0.0), f64::powf, code::math_pow),
     unary("math_rsqrt", POSITIVE, (2.0, 0.0), |x| 1.0 / x.sqrt(), code::math_rsqrt),
+    unary("math_erf", (-6.0, 6.0), (4.0, 0.0), erf, code::math_erf),
+    unary("math_erfc", (-6.0, 9.0), (8.0, 0.0), erfc, code::math_erfc),
     unary("math_sinh", (-89.0, 89.0), (2.0, 0.0), f64::sinh, code::math_sinh),
     unary("math_cosh", (-89.0, 89.0), (2.0, 0.0), f64::cosh, code::math_cosh),
     unary("math_tanh", FINITE, (2.0, 0.0), f64::tanh, code::math_tanh),

@@ -14,6 +14,9 @@ fn bound(tree: &Tree<f32>) -> f64 {
         Tree::GgxSmith { roughness_u, roughness_v, .. } if roughness_u != roughness_v => 0.01,
         // A fit.
         Tree::GgxSmith { .. } => 1e-3,
+        // A quadrature and fits from below.
+        Tree::Glossy { .. } | Tree::Sheen { .. } => 0.07,
+        Tree::Layer { curve: Curve::Sheen { .. }, .. } => 0.1,
         Tree::Layer { .. } | Tree::DirectionalFactor { .. } | Tree::Tint { .. } => 0.05,
         _ => 2e-4,
     }

@@ -66,11 +66,14 @@ pub fn views() -> [Vec3f; 4] {
 /// White, as a tint.
 pub const WHITE: [f32; 3] = [1.0; 3];
 
-/// All cases.
+/// All cases; of those, where `LACQUER_CASES` is set, the ones with that text in their name.
 pub fn cases() -> Vec<Case> {
     let mut list = Vec::new();
     for kind in KINDS {
         kind.cases(&mut list);
+    }
+    if let Ok(text) = std::env::var("LACQUER_CASES") {
+        list.retain(|case| case.name.contains(&text));
     }
     list
 }
@@ -83,6 +86,8 @@ enum Kind {
     DiffuseTransmission,
     Specular,
     GgxSmith,
+    Glossy,
+    Sheen,
     Tint,
     Scale,
     DirectionalFactor,
@@ -90,12 +95,14 @@ enum Kind {
     DiffuseEdf,
 }
 
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 12] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
     Kind::Specular,
     Kind::GgxSmith,
+    Kind::Glossy,
+    Kind::Sheen,
     Kind::Tint,
     Kind::Scale,
     Kind::DirectionalFactor,
@@ -110,6 +117,8 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::DiffuseTransmission { .. } => Kind::DiffuseTransmission,
         Tree::Specular { .. } => Kind::Specular,
         Tree::GgxSmith { .. } => Kind::GgxSmith,
+        Tree::Glossy { .. } => Kind::Glossy,
+        Tree::Sheen { .. } => Kind::Sheen,
         Tree::Tint { .. } => Kind::Tint,
         Tree::Scale { .. } => Kind::Scale,
         Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
@@ -170,6 +179,18 @@ impl Kind {
                 }
             }
             Kind::GgxSmith => ggx_cases(list),
+            Kind::Glossy => {
+                MODELS.into_iter().for_each(|model| glossy_cases(list, model));
+                compensated_cases(list);
+            }
+            Kind::Sheen => {
+                for roughness in [1.0, 0.3, 0.05] {
+                    let lobe = Tree::Sheen { tint: WHITE, roughness };
+                    add(list, &format!("sheen {roughness}"), lobe.clone(), point(1.0, 1.5, 0), false);
+                    let over = layer(Curve::Sheen { roughness }, 1.0, None, lobe, diffuse(0.0));
+                    add(list, &format!("sheen {roughness} over diffuse"), over, point(1.0, 1.5, 0), false);
+                }
+            }
             Kind::Tint => {
                 let tree = Tree::Tint {
                     tint: [0.8, 0.5, 0.2],
@@ -226,6 +247,84 @@ fn ggx_cases(list: &mut Vec<Case>) {
                 tangent: Some([0.6, 0.7, 0.2]),
             };
             add(list, &format!("ggx {name} {u} x {v}"), tree, point(1.0, 1.5, 0), false);
+        }
+    }
+}
+
+const MODELS: [GlossyModel; 6] = [
+    GlossyModel::BeckmannSmith,
+    GlossyModel::GgxVcavities,
+    GlossyModel::BeckmannVcavities,
+    GlossyModel::Simple,
+    GlossyModel::Ward,
+    GlossyModel::Backscattering,
+];
+
+/// A white lobe, isotropic unless it has a tangent.
+pub fn glossy(model: GlossyModel, roughness: (f32, f32), mode: ScatterMode) -> Tree<f32> {
+    let tangent = (roughness.0 != roughness.1).then_some([0.6, 0.7, 0.2]);
+    Tree::Glossy {
+        model,
+        tint: WHITE,
+        multiscatter_tint: None,
+        roughness_u: roughness.0,
+        roughness_v: roughness.1,
+        mode,
+        tangent,
+    }
+}
+
+fn glossy_cases(list: &mut Vec<Case>, model: GlossyModel) {
+    let transmits = !matches!(model, GlossyModel::Ward | GlossyModel::Backscattering);
+    let air = point(1.0, 1.5, 0);
+    // The bins of the tests resolve narrow peaks around the mirrored direction only.
+    let narrow = if model == GlossyModel::Backscattering { 0.1 } else { 0.01 };
+    for alpha in [1.0, 0.2, narrow] {
+        let tree = glossy(model, (alpha, alpha), ScatterMode::Reflect);
+        add(list, &format!("{model:?} reflect {alpha}"), tree, air, false);
+    }
+    let tree = glossy(model, (0.8, 0.05), ScatterMode::Reflect);
+    add(list, &format!("{model:?} reflect 0.8 x 0.05"), tree, air, false);
+    if transmits {
+        for (point, side) in transmission_points() {
+            let tree = glossy(model, (0.3, 0.3), ScatterMode::ReflectTransmit);
+            add(list, &format!("{model:?} reflect_transmit 0.3 {side}"), tree, point, false);
+        }
+        let tree = glossy(model, (0.5, 0.1), ScatterMode::Transmit);
+        add(list, &format!("{model:?} transmit 0.5 x 0.1"), tree, air, false);
+    }
+}
+
+/// Every glossy lobe with white multiple scattering.
+fn compensated_cases(list: &mut Vec<Case>) {
+    let compensated = |model, roughness, mode| match glossy(model, roughness, mode) {
+        Tree::Glossy { tint, roughness_u, roughness_v, tangent, .. } => {
+            let multiscatter_tint = Some(WHITE);
+            Tree::Glossy { model, tint, multiscatter_tint, roughness_u, roughness_v, mode, tangent }
+        }
+        tree => tree,
+    };
+    let air = point(1.0, 1.5, 0);
+    for model in MODELS.into_iter().chain([GlossyModel::GgxSmith]) {
+        let exact = model == GlossyModel::GgxSmith;
+        for alpha in [1.0, 0.25, 0.05] {
+            if alpha < 0.2 && !exact {
+                continue;
+            }
+            let tree = compensated(model, (alpha, alpha), ScatterMode::Reflect);
+            // Where hardly anything is lost, the error of the fit is.
+            add(list, &format!("{model:?} compensated {alpha}"), tree, air, exact && alpha > 0.1);
+        }
+        let tree = compensated(model, (0.9, 0.2), ScatterMode::Reflect);
+        add(list, &format!("{model:?} compensated 0.9 x 0.2"), tree, air, false);
+    }
+    for model in [GlossyModel::GgxSmith, GlossyModel::Simple] {
+        for (mode, name) in &MODES[2..] {
+            for (point, side) in transmission_points() {
+                let tree = compensated(model, (0.5, 0.5), *mode);
+                let lossless = model == GlossyModel::GgxSmith && side == "thin";
+                add(list, &format!("{model:?} compensated {name} 0.5 {side}"), tree, point, lossless);
+            }
         }
     }
 }

@@ -88,6 +88,30 @@ fn bad_parameters_stay_finite() {
                 mode: ScatterMode::ReflectTransmit,
                 tangent: Some([a, b, 0.0]),
             };
+            let models = [
+                GlossyModel::BeckmannSmith,
+                GlossyModel::GgxVcavities,
+                GlossyModel::Simple,
+                GlossyModel::Ward,
+                GlossyModel::Backscattering,
+            ];
+            let other = Tree::Glossy {
+                model: models[list.len() % models.len()],
+                tint: [a, b, 0.5],
+                multiscatter_tint: Some([b, a, 1.0]),
+                roughness_u: a,
+                roughness_v: b,
+                mode: ScatterMode::ReflectTransmit,
+                tangent: Some([b, a, 0.0]),
+            };
+            let sheen = Tree::Sheen { tint: [a; 3], roughness: b };
+            let glossy = layer(
+                Curve::Sheen { roughness: a },
+                b,
+                None,
+                sheen,
+                layer(Curve::Constant, 0.5, None, glossy, other),
+            );
             let rough =
                 Tree::DiffuseReflection { tint: [b; 3], roughness: a, multiscatter_tint: Some([a; 3]) };
             let curve = Curve::Custom {

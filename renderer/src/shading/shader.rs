@@ -118,12 +118,12 @@ impl Shader {
 }
 
 fn face(material: &Material, back: bool) -> Face {
-    use layered_bsdf::nodes::{FLAG_VECTOR, OP_GGX_SMITH, OP_MASK};
+    use layered_bsdf::nodes::{FLAG_VECTOR, OP_GGX_SMITH, OP_MASK, OP_TINT};
     let (face, part, emission_part) = material.face(back);
     let inputs = material.inputs(part);
     let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
     inputs.load(&mut params);
-    let framed = |n: u32| n & OP_MASK == OP_GGX_SMITH && n & FLAG_VECTOR != 0;
+    let framed = |n: u32| (OP_GGX_SMITH..OP_TINT).contains(&(n & OP_MASK)) && n & FLAG_VECTOR != 0;
     let asks_for_frame = [StateField::FrameX, StateField::FrameY].iter().any(|&f| inputs.state.contains(f));
     Face {
         program: face.bsdf.to_program(),
