@@ -1213,7 +1213,10 @@ fn glossy_loss_fit(op: u32, alpha: f32, t: f32) -> f32 {
 
 fn glossy_mean_loss(op: u32, alpha: f32) -> f32 {
     if (op == OP_GGX_SMITH) {
-        let fit = septic(vec4f(0.004882, -0.158280, 1.646612, -1.995153), vec4f(5.954788, -10.009254, 6.858552, -1.678813), sqrt(alpha));
+        let root = sqrt(alpha);
+        let low = septic(vec4f(0.001451, -0.067216, 0.668570, 3.539301), vec4f(-12.074610, 24.764432, -32.163252, 21.782655), root);
+        let square = (alpha * alpha);
+        let fit = (low - (((5.828110 * square) * square) * root));
         return select(1.5e-3, fit, (alpha > 0.0158));
     }
     let low = select(select(0.08, 0.055, (op == OP_GGX_VCAVITIES)), 0.035, (op == OP_WARD));

@@ -307,16 +307,15 @@ fn compensated_cases(list: &mut Vec<Case>) {
     let air = point(1.0, 1.5, 0);
     for model in MODELS.into_iter().chain([GlossyModel::GgxSmith]) {
         let exact = model == GlossyModel::GgxSmith;
-        for alpha in [1.0, 0.25, 0.05] {
-            if alpha < 0.2 && !exact {
-                continue;
-            }
+        for alpha in [1.0, 0.85, 0.5, 0.25, 0.12, 0.05, 0.02] {
             let tree = compensated(model, (alpha, alpha), ScatterMode::Reflect);
             // Where hardly anything is lost, the error of the fit is.
             add(list, &format!("{model:?} compensated {alpha}"), tree, air, exact && alpha > 0.1);
         }
-        let tree = compensated(model, (0.9, 0.2), ScatterMode::Reflect);
-        add(list, &format!("{model:?} compensated 0.9 x 0.2"), tree, air, false);
+        for (u, v) in [(0.9, 0.2), (1.0, 0.5), (0.5, 0.1), (1.0, 0.05), (0.1, 0.02), (0.6, 0.55)] {
+            let tree = compensated(model, (u, v), ScatterMode::Reflect);
+            add(list, &format!("{model:?} compensated {u} x {v}"), tree, air, false);
+        }
     }
     for model in [GlossyModel::GgxSmith, GlossyModel::Simple] {
         for (mode, name) in &MODES[2..] {
