@@ -1,16 +1,21 @@
-//! Where modules and resources come from: search roots on disk, texts in memory, the embedded packages.
+//! Where modules and resources come from: search roots on disk, archives in them, encapsulated files, texts
+//! in memory, the embedded packages.
 //!
 //! Files are read only below a search root: names come from the front end without `.` and `..`, and a
-//! link that leads out of its root is refused.
+//! link that leads out of its root is refused. Archives are files `package.mdr` directly in a root; they are
+//! opened when a module or resource of their package is asked for. An encapsulated file serves only itself.
 
+use mdl_frontend::container::Container;
 use mdl_frontend::graph::ResourceKind;
 use mdl_frontend::loader::{LoadError, LoadedSource, Loader, ModuleIdentity, ResolvedResource};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, PoisonError, RwLock};
 
 /// The largest module that is read.
 const MAX_MODULE_BYTES: u64 = 64 << 20;
+/// The largest archive or encapsulated file that is read.
+const MAX_CONTAINER_BYTES: u64 = 1 << 30;
 /// The root of embedded modules.
 const EMBEDDED: &str = "<embedded>";
 /// The root of texts in memory.
@@ -28,13 +33,30 @@ struct Shared {
     roots: Vec<PathBuf>,
     /// Texts by qualified name.
     memory: BTreeMap<String, Vec<u8>>,
+    /// Archives and encapsulated files that were opened.
+    containers: BTreeMap<PathBuf, Arc<Container>>,
+}
+
+/// Something that holds modules and resources.
+enum Place {
+    Folder(PathBuf),
+    /// Path and content of an archive or encapsulated file.
+    Container(PathBuf, Arc<Container>),
+}
+
+impl Place {
+    fn path(&self) -> &Path {
+        match self {
+            Place::Folder(path) | Place::Container(path, _) => path,
+        }
+    }
 }
 
 impl FileLoader {
     /// Adds a search root after those there are; a root that is there already stays where it is.
     pub fn add_root(&self, root: &Path) -> std::io::Result<PathBuf> {
         let root = root.canonicalize()?;
-        let mut shared = self.shared.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut shared = self.shared.write().unwrap_or_else(PoisonError::into_inner);
         if !shared.roots.contains(&root) {
             shared.roots.push(root.clone());
         }
@@ -43,7 +65,7 @@ impl FileLoader {
 
     /// Adds a text as a module.
     pub fn add_memory(&self, name: &str, text: &str) {
-        let mut shared = self.shared.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut shared = self.shared.write().unwrap_or_else(PoisonError::into_inner);
         shared.memory.insert(name.to_string(), text.as_bytes().to_vec());
     }
 
@@ -67,23 +89,98 @@ impl FileLoader {
         Ok((identity, path))
     }
 
+    /// The module of an encapsulated file. What it refers to is looked for in the file itself first.
+    pub fn encapsulated(&self, file: &Path) -> Result<LoadedSource, LoadError> {
+        let path = file.canonicalize().map_err(|e| LoadError(format!("{}: {e}", file.display())))?;
+        let container = self.container(&path)?;
+        load_from(&path, &container, &["main".to_string()])?
+            .ok_or_else(|| LoadError(format!("{}: it holds no `main.mdl`", file.display())))
+    }
+
+    /// Names of the modules of an archive, whose folder becomes a search root.
+    pub fn archive(&self, file: &Path) -> Result<Vec<String>, LoadError> {
+        let fail = |e: std::io::Error| LoadError(format!("{}: {e}", file.display()));
+        let path = file.canonicalize().map_err(fail)?;
+        self.add_root(path.parent().unwrap_or(Path::new("/"))).map_err(fail)?;
+        Ok(self.container(&path)?.modules().collect())
+    }
+
+    /// An archive or encapsulated file, opened once.
+    fn container(&self, path: &Path) -> Result<Arc<Container>, LoadError> {
+        let known = |shared: &Shared| shared.containers.get(path).cloned();
+        if let Some(container) = known(&self.shared.read().unwrap_or_else(PoisonError::into_inner)) {
+            return Ok(container);
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let container = Container::read(&name, read_limited(path, MAX_CONTAINER_BYTES)?)
+            .map_err(|e| LoadError(format!("{}: {e}", path.display())))?;
+        let container = Arc::new(container);
+        let mut shared = self.shared.write().unwrap_or_else(PoisonError::into_inner);
+        shared.containers.insert(path.to_path_buf(), container.clone());
+        Ok(container)
+    }
+
+    /// Where something with this path may be, in order of preference: the place that `from` came from, then
+    /// the roots in their order, each with its archives.
+    fn places(&self, path: &[&str], from: Option<&ModuleIdentity>) -> Result<Vec<Place>, LoadError> {
+        let mut places = Vec::new();
+        for root in self.roots() {
+            let archives = archives_for(&root, path);
+            places.push(Place::Folder(root));
+            for archive in archives {
+                let container = self.container(&archive)?;
+                places.push(Place::Container(archive, container));
+            }
+        }
+        let Some(from) = from else { return Ok(places) };
+        let own = Path::new(&*from.root);
+        if own.extension().is_some_and(|extension| extension == "mdle") {
+            places.insert(0, Place::Container(own.to_path_buf(), self.container(own)?));
+        }
+        places.sort_by_key(|place| place.path() != own);
+        Ok(places)
+    }
+
     fn roots(&self) -> Vec<PathBuf> {
-        self.shared.read().unwrap_or_else(std::sync::PoisonError::into_inner).roots.clone()
+        self.shared.read().unwrap_or_else(PoisonError::into_inner).roots.clone()
     }
 
     fn memory(&self, name: &str) -> Option<Vec<u8>> {
-        self.shared.read().unwrap_or_else(std::sync::PoisonError::into_inner).memory.get(name).cloned()
+        self.shared.read().unwrap_or_else(PoisonError::into_inner).memory.get(name).cloned()
     }
+}
+
+/// Archives in a root whose package is, or holds, what has this path.
+fn archives_for(root: &Path, path: &[&str]) -> Vec<PathBuf> {
+    let names = (1..=path.len()).map(|count| format!("{}.mdr", path[..count].join(".")));
+    names.filter_map(|name| below(root, Path::new(&name))).collect()
+}
+
+/// A module in a container.
+fn load_from(
+    path: &Path,
+    container: &Container,
+    module: &[String],
+) -> Result<Option<LoadedSource>, LoadError> {
+    let mut source = container.load(module, None)?;
+    if let Some(source) = &mut source {
+        let inside = format!("{}:{}.mdl", path.display(), module.join("/"));
+        source.identity.file = inside.into();
+        source.identity.root = path.display().to_string().into();
+    }
+    Ok(source)
 }
 
 /// The bytes of a module, unless it is too large.
 pub fn read_module(path: &Path) -> Result<Vec<u8>, LoadError> {
+    read_limited(path, MAX_MODULE_BYTES)
+}
+
+fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
     let fail = |reason: String| LoadError(format!("{}: {reason}", path.display()));
     let length = std::fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
-    if length > MAX_MODULE_BYTES {
-        return Err(fail(format!(
-            "{length} bytes are more than the {MAX_MODULE_BYTES} that a module may have"
-        )));
+    if length > limit {
+        return Err(fail(format!("{length} bytes are more than the {limit} that such a file may have")));
     }
     std::fs::read(path).map_err(|e| fail(e.to_string()))
 }
@@ -107,19 +204,20 @@ impl Loader for FileLoader {
         }
         let mut relative: PathBuf = module.iter().collect();
         relative.set_extension("mdl");
-        let mut roots = self.roots();
-        // The root of the importing module comes first.
-        if let Some(from) = from {
-            roots.sort_by_key(|root| root.to_str() != Some(&from.root));
-        }
-        for root in roots {
-            if let Some(path) = below(&root, &relative) {
-                let bytes = read_module(&path)?;
-                let root = root.display().to_string();
-                return Ok(Some(LoadedSource {
-                    identity: identity(path.display().to_string(), &root),
-                    bytes,
-                }));
+        let path: Vec<&str> = module.iter().map(String::as_str).collect();
+        for place in self.places(&path, from)? {
+            let found = match &place {
+                Place::Folder(root) => match below(root, &relative) {
+                    Some(path) => Some(LoadedSource {
+                        identity: identity(path.display().to_string(), &root.display().to_string()),
+                        bytes: read_module(&path)?,
+                    }),
+                    None => None,
+                },
+                Place::Container(path, container) => load_from(path, container, module)?,
+            };
+            if found.is_some() {
+                return Ok(found);
             }
         }
         let embedded = materials::module(&name);
@@ -132,18 +230,21 @@ impl Loader for FileLoader {
     fn resolve_resource(
         &self,
         path: &str,
-        _: ResourceKind,
+        kind: ResourceKind,
         from: &ModuleIdentity,
     ) -> Result<Option<ResolvedResource>, LoadError> {
-        let relative = Path::new(path.trim_start_matches('/'));
-        let mut roots = self.roots();
-        roots.sort_by_key(|root| root.to_str() != Some(&from.root));
-        for root in roots {
-            if let Some(path) = below(&root, relative) {
-                return Ok(Some(ResolvedResource {
-                    path: path.display().to_string().into(),
-                    root: root.display().to_string().into(),
-                }));
+        let inside = path.trim_start_matches('/');
+        let folders: Vec<&str> = inside.split('/').collect();
+        for place in self.places(&folders[..folders.len() - 1], Some(from))? {
+            let found = match &place {
+                Place::Folder(root) => below(root, Path::new(inside)).map(|path| path.display().to_string()),
+                Place::Container(file, container) => container
+                    .resolve_resource(path, kind, from)?
+                    .map(|_| format!("{}:{inside}", file.display())),
+            };
+            if let Some(path) = found {
+                let root = place.path().display().to_string();
+                return Ok(Some(ResolvedResource { path: path.into(), root: root.into() }));
             }
         }
         Ok(None)

@@ -54,7 +54,8 @@ impl Session {
         }
     }
 
-    /// Checks a module in a file. Its folder becomes a search root unless the file lies below one.
+    /// Checks a module in a file. Its folder becomes a search root unless the file lies below one. A file
+    /// whose name ends in `.mdle` is an encapsulated one, and its module `::main`.
     ///
     /// ```no_run
     /// let session = lacquer::Session::new();
@@ -66,9 +67,18 @@ impl Session {
     /// ```
     pub fn open(&self, file: impl AsRef<Path>) -> Result<Module, Error> {
         let file = file.as_ref();
+        if file.extension().is_some_and(|extension| extension == "mdle") {
+            let source = self.loader.encapsulated(file).map_err(|e| Error::Name(e.0))?;
+            return Ok(self.module(self.compiler.check_source(source)));
+        }
         let (identity, path) = self.loader.identify(file).map_err(Error::io(file))?;
         let bytes = read_module(&path).map_err(|e| Error::Name(e.0))?;
         Ok(self.module(self.compiler.check_source(LoadedSource { identity, bytes })))
+    }
+
+    /// Names of the modules of an archive (`.mdr`). Its folder becomes a search root.
+    pub fn open_archive(&self, file: impl AsRef<Path>) -> Result<Vec<String>, Error> {
+        self.loader.archive(file.as_ref()).map_err(|e| Error::Name(e.0))
     }
 
     /// Checks a module whose text is given. Other modules of the session may import it by `name`.

@@ -1,5 +1,8 @@
 //! The command line as scripts see it: exit status, messages with place and cause, JSON.
 
+#[path = "../mdl-frontend/tests/support/zip.rs"]
+mod zip;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -123,6 +126,37 @@ fn cyclic_imports_and_missing_textures_are_errors() {
         ),
     );
     fails(&["check", path(&file)], 1, &["gone.png", "textured.mdl:4"]);
+}
+
+#[test]
+fn archives_and_encapsulated_files_are_searched() {
+    let folder = Folder::new("archives");
+    let tools = ("woods/tools.mdl", "mdl 1.7; export color grey() = color(0.5);");
+    let oak = (
+        "woods/oak.mdl",
+        "mdl 1.7; import ::df::*; import .::tools::*;
+        export material oak() = material(surface: material_surface(
+            df::diffuse_reflection_bsdf(tint: tools::grey())));",
+    );
+    let archive = folder.write("woods.mdr", zip::container(zip::ARCHIVE, &[zip::MANIFEST, oak, tools], 0));
+    let table = "mdl 1.7; import ::woods::oak::oak; export material table() = woods::oak::oak();";
+    let user = folder.write("table.mdl", table);
+    let main = ("main.mdl", "mdl 1.7; export material main() = material();");
+    let file = folder.write("paint.mdle", zip::container(zip::ENCAPSULATED, &[main], 0));
+    // Two modules in the archive, one in the encapsulated file, one beside them.
+    let output = lacquer(&["check", path(&folder.0)]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    assert!(said.contains("4 modules checked: 0 errors, 0 warnings"), "{said}");
+    for target in [format!("{}::table", path(&user)), format!("{}::main", path(&file))] {
+        let output = lacquer(&["inspect", &target]);
+        assert_eq!(output.status.code(), Some(0), "{target}: {}", text(&output.stderr));
+    }
+    // One that is damaged is named where it is needed, and nowhere else.
+    folder.write("woods.mdr", b"MDR");
+    fails(&["check", path(&archive)], 1, &["woods.mdr", "neither an MDL archive"]);
+    fails(&["check", path(&user)], 1, &["woods.mdr", "neither an MDL archive"]);
+    assert_eq!(lacquer(&["check", path(&file)]).status.code(), Some(0));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `lacquer check`: modules are checked, and everything that is wrong is said. Exit status 0 if nothing is,
 //! 1 if there are errors, 2 if the command was called wrongly.
 
-use super::{Fail, SearchPaths, modules_below};
+use super::{Fail, SearchPaths, files_below};
 use lacquer::{Error, Module, Session};
 use mdl_frontend::diagnostics::{Record, Severity};
 use std::io::IsTerminal;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `check`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Files, or folders whose modules are all checked
+    /// Files (.mdl, .mdle, .mdr), or folders whose modules are all checked
     #[arg(required = true, value_name = "FILE|FOLDER")]
     paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -34,21 +34,21 @@ enum Format {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), Fail> {
     let session = args.search.session()?;
-    let mut files = Vec::new();
+    let mut subjects = Vec::new();
     for path in &args.paths {
         if path.is_dir() {
             session.add_search_path(path)?;
-            let below = modules_below(path)?;
+            let below = files_below(path, &["mdl", "mdle", "mdr"])?;
             if below.is_empty() {
                 eprintln!("warning: no module lies below {}", path.display());
             }
-            files.extend(below);
+            below.into_iter().for_each(|file| subjects.extend(subjects_in(&session, file)));
         } else {
-            files.push(path.clone());
+            subjects.extend(subjects_in(&session, path.clone()));
         }
     }
     let (mut errors, mut warnings) = (0, 0);
-    for (file, result) in check_all(&session, &files) {
+    for (subject, result) in check_all(&session, &subjects) {
         match result {
             Ok(module) => {
                 let (e, w) = print(&module, args.format);
@@ -57,12 +57,12 @@ pub fn run(args: &Args) -> Result<(), Fail> {
             }
             Err(error) => {
                 errors += 1;
-                unreadable(&file, &error, args.format);
+                unreadable(subject, &error, args.format);
             }
         }
     }
     if args.format == Format::Human {
-        let modules = files.len();
+        let modules = subjects.len();
         eprintln!(
             "{modules} module{} checked: {errors} errors, {warnings} warnings",
             if modules == 1 { "" } else { "s" }
@@ -74,24 +74,50 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     }
 }
 
-/// Checks files on all cores; results in the order of the files.
-fn check_all(session: &Session, files: &[PathBuf]) -> Vec<(PathBuf, Result<Module, Error>)> {
+/// What is checked.
+enum Subject {
+    /// A file with one module.
+    File(PathBuf),
+    /// A module of an archive.
+    Archived(PathBuf, String),
+    /// An archive that cannot be read.
+    Broken(PathBuf, Error),
+}
+
+/// The modules of a file: one, unless it is an archive.
+fn subjects_in(session: &Session, file: PathBuf) -> Vec<Subject> {
+    if file.extension().is_none_or(|extension| extension != "mdr") {
+        return vec![Subject::File(file)];
+    }
+    match session.open_archive(&file) {
+        Ok(names) => names.into_iter().map(|name| Subject::Archived(file.clone(), name)).collect(),
+        Err(error) => vec![Subject::Broken(file, error)],
+    }
+}
+
+/// Checks on all cores; results in the order of the subjects.
+fn check_all<'s>(session: &Session, subjects: &'s [Subject]) -> Vec<(&'s Path, Result<Module, String>)> {
     let next = std::sync::atomic::AtomicUsize::new(0);
+    let check = |subject: &'s Subject| match subject {
+        Subject::File(file) => (&**file, session.open(file).map_err(|e| e.to_string())),
+        Subject::Archived(file, name) => (&**file, session.import(name).map_err(|e| e.to_string())),
+        Subject::Broken(file, error) => (&**file, Err(error.to_string())),
+    };
     let work = || {
         let mut done = Vec::new();
         loop {
             let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            let Some(file) = files.get(index) else { return done };
-            done.push((index, file.clone(), session.open(file)));
+            let Some(subject) = subjects.get(index) else { return done };
+            done.push((index, check(subject)));
         }
     };
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(files.len().max(1));
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(subjects.len().max(1));
     let mut results: Vec<_> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
         handles.into_iter().flat_map(|handle| handle.join().expect("checking does not panic")).collect()
     });
-    results.sort_by_key(|(index, ..)| *index);
-    results.into_iter().map(|(_, file, result)| (file, result)).collect()
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Writes the diagnostics of a module; gives the numbers of errors and warnings.
@@ -111,7 +137,7 @@ fn print(module: &Module, format: Format) -> (usize, usize) {
 }
 
 /// A file that could not be read.
-fn unreadable(file: &Path, error: &Error, format: Format) {
+fn unreadable(file: &Path, error: &str, format: Format) {
     match format {
         Format::Human => eprintln!("error: {error}"),
         Format::Json => {

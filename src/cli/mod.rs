@@ -97,7 +97,8 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Which file, and which export of it: `FILE.mdl` or `FILE.mdl::name`; or an embedded module, by name.
+/// Which file, and which export of it: `FILE.mdl` or `FILE.mdl::name` (the same with `.mdle`); or a module by
+/// name.
 #[derive(Clone, Debug, PartialEq)]
 struct Target {
     /// Path of the file, or qualified name of a module.
@@ -123,8 +124,12 @@ impl std::str::FromStr for Target {
             };
             return Ok(Self { module, name: name.map(str::to_string) });
         }
-        Ok(match text.split_once(".mdl::") {
-            Some((path, name)) => Self { module: format!("{path}.mdl"), name: Some(name.to_string()) },
+        let split = [".mdl", ".mdle"].into_iter().find_map(|extension| {
+            let at = text.find(&format!("{extension}::"))? + extension.len();
+            Some((&text[..at], &text[at + 2..]))
+        });
+        Ok(match split {
+            Some((path, name)) => Self { module: path.to_string(), name: Some(name.to_string()) },
             None => Self { module: text.to_string(), name: None },
         })
     }
@@ -224,6 +229,11 @@ fn compile(module: &Module, target: &Target, assignments: &[Assignment]) -> Resu
 
 /// All `.mdl` files below a folder, by path.
 fn modules_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    files_below(folder, &["mdl"])
+}
+
+/// All files below a folder that have one of these extensions, by path.
+fn files_below(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, Error> {
     let mut files = Vec::new();
     let mut open = vec![folder.to_path_buf()];
     while let Some(folder) = open.pop() {
@@ -234,7 +244,8 @@ fn modules_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
             // Links to folders are not followed: they may lead in circles.
             if entry.file_type().map_err(io)?.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "mdl") {
+            } else if path.extension().is_some_and(|own| extensions.iter().any(|extension| own == *extension))
+            {
                 files.push(path);
             }
         }
@@ -297,6 +308,7 @@ mod tests {
             |module: &str, name: Option<&str>| Target { module: module.into(), name: name.map(Into::into) };
         assert_eq!(target("a/b.mdl"), of("a/b.mdl", None));
         assert_eq!(target("a/b.mdl::gold"), of("a/b.mdl", Some("gold")));
+        assert_eq!(target("a/b.mdle::main"), of("a/b.mdle", Some("main")));
         assert_eq!(target("::catalog::metal"), of("::catalog::metal", None));
         assert_eq!(target("::catalog::metal::gold"), of("::catalog::metal", Some("gold")));
     }
