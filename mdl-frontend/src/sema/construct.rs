@@ -151,7 +151,7 @@ impl<'a> Checker<'_, 'a> {
         let signature = self.constructor(id, ty);
         match self.fit(&signature, args) {
             Ok(_) => {
-                let mut fields: Vec<Option<ExprId>> = vec![None; signature.params.len()];
+                let mut fields: Vec<Option<ExprId>> = vec![None; self.m.structure(id).fields.len()];
                 for (index, arg) in args.iter().enumerate() {
                     let named =
                         arg.name.and_then(|(name, _)| signature.params.iter().position(|p| &*p.name == name));
@@ -168,7 +168,7 @@ impl<'a> Checker<'_, 'a> {
         }
     }
 
-    /// The fields of a struct as the parameters of its constructor.
+    /// The fields of a struct as the parameters of its constructor; those that the module's version has.
     fn constructor(&self, id: DefId, ty: Ty) -> Arc<Signature> {
         let definition = self.m.structure(id);
         let file = match id.module == super::ty::ModuleId::LANGUAGE {
@@ -176,7 +176,9 @@ impl<'a> Checker<'_, 'a> {
             false => self.m.module_of(id.module).identity.file.clone(),
         };
         let place = |span: Span| FileSpan { file: file.clone(), span };
-        let params = definition.fields.iter().map(|field| ParamSig {
+        let version = self.m.module.version;
+        let fields = definition.fields.iter().filter(|field| field.since <= version);
+        let params = fields.map(|field| ParamSig {
             name: field.name.clone(),
             ty: field.ty,
             frequency: None,

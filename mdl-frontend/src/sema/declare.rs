@@ -13,6 +13,7 @@ use crate::diagnostics::{annotations as annotation_problems, names as problems, 
 use crate::limits;
 use crate::span::Span;
 use crate::syntax::ast::{self, ItemKind};
+use crate::syntax::version::Version;
 use crate::value::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -296,6 +297,7 @@ impl Checker<'_, '_> {
                 None => self.m.has_varying_default(ty),
             };
             checked.push(Field {
+                since: Version::new(1, 0),
                 name: name.into(),
                 ty,
                 uniform: field.ty.frequency == Some(ast::Frequency::Uniform),

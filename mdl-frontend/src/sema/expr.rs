@@ -157,6 +157,9 @@ impl<'a> Checker<'_, 'a> {
             _ => None,
         };
         if let Some((index, ty)) = found {
+            if !self.has_field(x, index, member.span) {
+                return self.error(span);
+            }
             return self.push(ExprKind::Member(x, index as u32), ty, span);
         }
         let similar = match (ty.base, ty.size) {
@@ -169,6 +172,19 @@ impl<'a> Checker<'_, 'a> {
         let ty = self.display(ty);
         self.emit(member.span, name_problems::UnknownMember { ty, name: name.to_string(), similar });
         self.error(span)
+    }
+
+    /// Whether the module's version of the language has a field; reports one that came later.
+    fn has_field(&mut self, x: ExprId, index: usize, span: Span) -> bool {
+        let Base::Struct(id) = self.body.ty(x).base else { return true };
+        let version = self.m.module.version;
+        let field = &self.m.structure(id).fields[index];
+        if field.since > version {
+            let (name, since) = (field.name.to_string(), field.since);
+            self.emit(span, name_problems::NotInVersion { name, version, since, removed: None });
+            return false;
+        }
+        true
     }
 
     pub(super) fn index(&mut self, x: ExprId, index: ExprId, span: Span) -> ExprId {

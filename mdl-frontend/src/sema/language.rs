@@ -28,7 +28,7 @@ pub fn module() -> Module {
             vec![
                 plain("emission", df(DfKind::Edf)),
                 plain("intensity", Ty::COLOR),
-                Field { uniform: true, ..plain("mode", Ty::INTENSITY_MODE) },
+                Field { uniform: true, ..since(1, plain("mode", Ty::INTENSITY_MODE)) },
             ],
         ),
         ("material_surface", vec![plain("scattering", Ty::BSDF), plain("emission", Ty::MATERIAL_EMISSION)]),
@@ -38,7 +38,7 @@ pub fn module() -> Module {
                 plain("scattering", df(DfKind::Vdf)),
                 plain("absorption_coefficient", Ty::COLOR),
                 plain("scattering_coefficient", Ty::COLOR),
-                plain("emission_intensity", Ty::COLOR),
+                since(7, plain("emission_intensity", Ty::COLOR)),
             ],
         ),
         (
@@ -58,7 +58,7 @@ pub fn module() -> Module {
                 valued("ior", Ty::COLOR, Value::floats(&[1.0; 3])),
                 plain("volume", Ty::MATERIAL_VOLUME),
                 plain("geometry", Ty::MATERIAL_GEOMETRY),
-                plain("hair", df(DfKind::Hair)),
+                since(5, plain("hair", df(DfKind::Hair))),
             ],
         ),
     ];
@@ -80,7 +80,13 @@ pub fn module() -> Module {
 
 fn field(name: &str, ty: Ty, default: FieldDefault) -> Field {
     let varying_default = default == FieldDefault::Normal;
-    Field { name: name.into(), ty, uniform: false, default, varying_default, span: Span::default() }
+    let since = Version::new(1, 0);
+    Field { name: name.into(), ty, uniform: false, default, varying_default, since, span: Span::default() }
+}
+
+/// A field that came with MDL 1.`minor`. Such fields stand last: versions before see those in front of them.
+fn since(minor: u16, field: Field) -> Field {
+    Field { since: Version::new(1, minor), ..field }
 }
 
 /// The keyword of a type that has one.

@@ -199,7 +199,11 @@ fn push(
         }
         _ => token,
     };
-    check_literal(token, span, text, sink);
+    let after_minus = matches!(tokens.last(), Some((Token::Minus, _)));
+    match token == Token::Int && word() == literals::LEAST_NEGATED && !after_minus {
+        true => sink.emit(span, problems::IntegerOverflow { limit: "2147483647" }),
+        false => check_literal(token, span, text, sink),
+    }
     let since = Version::new(1, 8);
     if token == Token::UnicodeIdent && version < since {
         sink.emit(span, problems::NeedsVersion { what: "a name in quotes", since, version });

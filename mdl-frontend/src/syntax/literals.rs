@@ -16,7 +16,11 @@ pub enum LiteralError {
     Escape(usize, usize, &'static str),
 }
 
-/// Value of an integer literal. Hexadecimal numbers may use all 32 bits, the sign bit too.
+/// The decimal literal that fits only with a minus before it.
+pub const LEAST_NEGATED: &str = "2147483648";
+
+/// Value of an integer literal. Hexadecimal numbers may use all 32 bits, the sign bit too; that of
+/// [`LEAST_NEGATED`] is its own negative.
 pub fn integer(text: &str) -> Result<i32, LiteralError> {
     if let Some(digits) = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         let value = u32::from_str_radix(digits, 16).map_err(|_| LiteralError::Overflow("0xFFFFFFFF"))?;
@@ -28,6 +32,9 @@ pub fn integer(text: &str) -> Result<i32, LiteralError> {
         }
         let value = u32::from_str_radix(text, 8).map_err(|_| LiteralError::Overflow("037777777777"))?;
         return Ok(value as i32);
+    }
+    if text == LEAST_NEGATED {
+        return Ok(i32::MIN);
     }
     text.parse().map_err(|_| LiteralError::Overflow("2147483647"))
 }
@@ -136,7 +143,8 @@ mod tests {
         assert_eq!(integer("0x80000000"), Ok(i32::MIN));
         assert_eq!(integer("0"), Ok(0));
         assert_eq!(integer("08"), Err(LiteralError::Octal));
-        assert_eq!(integer("2147483648"), Err(LiteralError::Overflow("2147483647")));
+        assert_eq!(integer("2147483648"), Ok(i32::MIN));
+        assert_eq!(integer("2147483649"), Err(LiteralError::Overflow("2147483647")));
         assert_eq!(integer("0x100000000"), Err(LiteralError::Overflow("0xFFFFFFFF")));
     }
 

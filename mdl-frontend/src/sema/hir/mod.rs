@@ -170,6 +170,8 @@ pub struct Field {
     pub default: FieldDefault,
     /// The default depends on the shading state.
     pub varying_default: bool,
+    /// First version of the language that has it.
+    pub since: Version,
     /// Where it is declared.
     pub span: Span,
 }
