@@ -1,11 +1,11 @@
 //! Documentation of a module, made of its declarations and annotations: a page of Markdown.
 
-use crate::compiler::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo};
+use crate::compiler::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, TypeContent, TypeInfo};
 use crate::value::Value;
 use std::fmt::Write;
 
 /// The page of a module: what it says about itself, then each exported material and function with its
-/// parameters. What is marked `anno::hidden` is left out.
+/// parameters, each struct with its fields and each enumeration with its values. What is marked `anno::hidden` is left out.
 pub fn page(module: &CheckedModule) -> String {
     let annotations = module.annotations();
     let title = text(&annotations, "display_name").unwrap_or_else(|| module.name());
@@ -21,6 +21,13 @@ pub fn page(module: &CheckedModule) -> String {
         }
         shown.into_iter().for_each(|info| declaration(&mut page, info));
     }
+    let types = module.types();
+    let shown: Vec<&TypeInfo> =
+        types.iter().filter(|info| find(&info.annotations, "hidden").is_none()).collect();
+    if !shown.is_empty() {
+        page.push_str("\n## Types\n");
+    }
+    shown.into_iter().for_each(|info| declared_type(&mut page, info));
     page
 }
 
@@ -84,13 +91,41 @@ fn declaration(page: &mut String, info: &FunctionInfo) {
         _ = write!(page, "\nA variant of `{original}`.\n");
     }
     about(page, annotations);
-    let shown: Vec<&ParameterInfo> =
-        info.parameters.iter().filter(|parameter| !parameter.ui.hidden).collect();
+    table(page, "Parameter", &info.parameters);
+}
+
+fn declared_type(page: &mut String, info: &TypeInfo) {
+    let title = text(&info.annotations, "display_name").map_or(info.name.to_string(), |name| escaped(&name));
+    let keyword = match info.content {
+        TypeContent::Enum(_) => "enum",
+        TypeContent::Struct(_) => "struct",
+    };
+    _ = write!(page, "\n### {title}\n\n`{keyword} {}`\n", info.name);
+    about(page, &info.annotations);
+    match &info.content {
+        TypeContent::Struct(fields) => table(page, "Field", fields),
+        TypeContent::Enum(values) => {
+            page.push_str("\n| Value | Number | Description |\n|---|---|---|\n");
+            for value in values.iter().filter(|value| find(&value.annotations, "hidden").is_none()) {
+                let name = text(&value.annotations, "display_name");
+                let name = name.map(|name| format!("**{}**", cell(&escaped(&name))));
+                let about = text(&value.annotations, "description").map(|text| cell(&escaped(&text)));
+                let about: Vec<String> = name.into_iter().chain(about).collect();
+                _ = writeln!(page, "| `{}` | {} | {} |", value.name, value.number, about.join(": "));
+            }
+        }
+    }
+}
+
+/// A row per parameter or field that is not hidden.
+fn table(page: &mut String, what: &str, parameters: &[ParameterInfo]) {
+    let shown: Vec<&ParameterInfo> = parameters.iter().filter(|parameter| !parameter.ui.hidden).collect();
     if shown.is_empty() {
         return;
     }
-    page.push_str(
-        "\n| Parameter | Type | Default | Range | Group | Description |\n|---|---|---|---|---|---|\n",
+    _ = write!(
+        page,
+        "\n| {what} | Type | Default | Range | Group | Description |\n|---|---|---|---|---|---|\n",
     );
     shown.into_iter().for_each(|parameter| row(page, parameter));
 }
@@ -184,7 +219,9 @@ mod tests {
         ) [[ anno::display_name("Oak_1"), anno::deprecated("use ash") ]] = material();
         export material red(*) = oak(rings: 4);
         export material gone() [[ anno::hidden() ]] = material();
-        export float f(float x) = x;"#;
+        export float f(float x) = x;
+        export enum cut [[ anno::description("How it is sawn.") ]] { plain [[ anno::display_name("Flat") ]], rift = 4 };
+        export struct grain { cut sawn; float width = 0.5 [[ anno::hard_range(0.0, 1.0) ]]; };"#;
 
     #[test]
     fn page_tells_what_annotations_tell() {
@@ -236,6 +273,28 @@ A variant of `::pkg::wood::oak`.
 | Parameter | Type | Default | Range | Group | Description |
 |---|---|---|---|---|---|
 | `x` | `float` |  |  |  |  |
+
+## Types
+
+### cut
+
+`enum cut`
+
+How it is sawn.
+
+| Value | Number | Description |
+|---|---|---|
+| `plain` | 0 | **Flat** |
+| `rift` | 4 |  |
+
+### grain
+
+`struct grain`
+
+| Field | Type | Default | Range | Group | Description |
+|---|---|---|---|---|---|
+| `sawn` | `::pkg::wood::cut` |  |  |  |  |
+| `width` | `float` | `0.5` | 0 to 1 |  |  |
 "
         );
     }

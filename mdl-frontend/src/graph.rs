@@ -100,7 +100,7 @@ pub enum Op {
     Binary(BinaryOp),
     /// Conversion of one operand to the result type: between scalars, between vectors of equal size,
     /// `color` and `float3`, scalar to vector or colour of such scalars (all components), scalar to matrix
-    /// of such scalars (diagonal), enumeration to `int`. All others are taken apart: conversions of
+    /// of such scalars (diagonal), enumeration to `int` and back. All others are taken apart: conversions of
     /// structs (`cast`), arrays and matrices are a `Construct` of converted parts.
     Convert,
     /// A vector, matrix (from columns), colour, struct or array from all its components, in order.

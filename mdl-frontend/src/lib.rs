@@ -51,5 +51,6 @@ pub mod verify;
 
 pub use build::Argument;
 pub use compiler::{
-    AnnotationInfo, CheckedModule, Compiler, Failure, FunctionInfo, ParameterInfo, standard_modules,
+    AnnotationInfo, CheckedModule, Compiler, Failure, FunctionInfo, ParameterInfo, TypeContent, TypeInfo,
+    ValueInfo, standard_modules,
 };

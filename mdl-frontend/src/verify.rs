@@ -168,6 +168,7 @@ fn converts(types: &TypeTable, from: TypeId, to: TypeId) -> bool {
             (Type::Color, _) => to == TypeId::FLOAT3,
             (_, Type::Color) => from == TypeId::FLOAT3,
             (Type::Enum(_), _) => to == TypeId::INT,
+            (_, Type::Enum(_)) => from == TypeId::INT,
             _ => false,
         }
 }

@@ -4,7 +4,7 @@ use super::session::world;
 use super::{Checked, Failure, standard};
 use crate::diagnostics::{Diagnostic, Sink};
 use crate::graph::ParameterUi;
-use crate::sema::hir::{AnnotationUse, DefaultArg, Entity, Function, Module, World};
+use crate::sema::hir::{AnnotationUse, DefaultArg, Entity, FieldDefault, Function, Module, World};
 use crate::sema::ty::{Base, DefId, Size, Ty};
 use crate::sema::{parameter_ui, type_name};
 use crate::span::FileSpan;
@@ -57,6 +57,37 @@ pub struct ParameterInfo {
     /// What annotations tell a user interface.
     pub ui: ParameterUi,
     /// All its annotations.
+    pub annotations: Vec<AnnotationInfo>,
+}
+
+/// A struct or enumeration that a module exports.
+#[derive(Clone, Debug)]
+pub struct TypeInfo {
+    /// Name within the module.
+    pub name: Arc<str>,
+    /// Its annotations.
+    pub annotations: Vec<AnnotationInfo>,
+    /// What it is made of.
+    pub content: TypeContent,
+}
+
+/// What a [`TypeInfo`] is made of.
+#[derive(Clone, Debug)]
+pub enum TypeContent {
+    /// The values of an enumeration in order of declaration.
+    Enum(Vec<ValueInfo>),
+    /// The fields of a struct.
+    Struct(Vec<ParameterInfo>),
+}
+
+/// A value of an enumeration.
+#[derive(Clone, Debug)]
+pub struct ValueInfo {
+    /// Its name.
+    pub name: Arc<str>,
+    /// Its number.
+    pub number: i32,
+    /// Its annotations.
     pub annotations: Vec<AnnotationInfo>,
 }
 
@@ -147,6 +178,49 @@ impl CheckedModule {
         self.exported(|function| function.signature.result != Ty::MATERIAL)
     }
 
+    /// The structs and enumerations that it exports, in order of declaration.
+    pub fn types(&self) -> Vec<TypeInfo> {
+        let module = self.module();
+        let named =
+            module.export_order.iter().flat_map(|name| module.exports[name].iter().map(move |e| (name, e)));
+        named.filter_map(|(name, entity)| self.type_info(name, *entity)).collect()
+    }
+
+    fn type_info(&self, name: &Arc<str>, entity: Entity) -> Option<TypeInfo> {
+        let module = self.module();
+        let Entity::Type(ty) = entity else { return None };
+        let (uses, content) = match ty.base {
+            _ if ty.size.is_some() => return None,
+            Base::Enum(id) if id.module == module.id => {
+                let definition = &module.enums[id.index as usize];
+                let values = definition.values.iter().zip(&definition.value_uses);
+                let values = values.map(|((name, number), uses)| ValueInfo {
+                    name: name.clone(),
+                    number: *number,
+                    annotations: annotations(uses),
+                });
+                (&definition.uses, TypeContent::Enum(values.collect()))
+            }
+            Base::Struct(id) if id.module == module.id => {
+                let definition = &module.structs[id.index as usize];
+                let fields = definition.fields.iter().map(|field| ParameterInfo {
+                    name: field.name.clone(),
+                    ty: self.display(field.ty, &[]),
+                    uniform: field.uniform,
+                    default: match &field.default {
+                        FieldDefault::Expr(id) => module.slice(definition.body.expr(*id).span),
+                        _ => None,
+                    },
+                    ui: parameter_ui(&field.uses, field.ty),
+                    annotations: annotations(&field.uses),
+                });
+                (&definition.uses, TypeContent::Struct(fields.collect()))
+            }
+            _ => return None,
+        };
+        Some(TypeInfo { name: name.clone(), annotations: annotations(uses), content })
+    }
+
     fn exported(&self, wanted: impl Fn(&Function) -> bool) -> Vec<FunctionInfo> {
         let module = self.module();
         let entities = module.export_order.iter().flat_map(|name| &module.exports[name]);
@@ -198,8 +272,7 @@ impl CheckedModule {
                 DefaultArg::Inherited(original) => id = *original,
                 DefaultArg::Own(value) => {
                     let span = function.body.expr(*value).span;
-                    let module = self.world.module(id.module)?;
-                    return module.text.get(span.start as usize..span.end as usize).map(str::to_string);
+                    return self.world.module(id.module)?.slice(span);
                 }
             }
         }

@@ -5,7 +5,10 @@ mod imports;
 mod session;
 mod standard;
 
-pub use checked::{AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, standard_modules};
+pub use checked::{
+    AnnotationInfo, CheckedModule, FunctionInfo, ParameterInfo, TypeContent, TypeInfo, ValueInfo,
+    standard_modules,
+};
 
 use crate::build::{self, Argument};
 use crate::diagnostics::build::UnreadableResource;

@@ -206,7 +206,7 @@ impl Checker<'_, '_> {
         let (declarative, name) = (*declarative, *name);
         let window = self.standard_annotations(annotations).window;
         let category = category.and_then(|path| self.category_of(path));
-        self.annotations(annotations);
+        let uses = self.annotations(annotations);
         let fields = self.fields(name, declared, category);
         let scalars = fields.iter().fold(0u64, |sum, field| sum.saturating_add(self.m.scalars(field.ty)));
         let limit = limits::VALUE_SCALARS;
@@ -240,6 +240,7 @@ impl Checker<'_, '_> {
             scalars: scalars.min(limit),
             depth: depth.min(limits::STRUCT_DEPTH),
             body: std::mem::take(&mut self.body),
+            uses,
             window,
             span: name.span,
         };
@@ -278,7 +279,7 @@ impl Checker<'_, '_> {
                 let default = self.expr(default);
                 self.coerce(default, ty)
             });
-            self.annotations(&field.annotations);
+            let uses = self.annotations(&field.annotations);
             match first_default {
                 None if default.is_some() => first_default = Some(span),
                 Some(first) if default.is_none() => {
@@ -303,6 +304,7 @@ impl Checker<'_, '_> {
                 uniform: field.ty.frequency == Some(ast::Frequency::Uniform),
                 default: default.map_or(FieldDefault::Type, FieldDefault::Expr),
                 varying_default,
+                uses,
                 span,
             });
         }
@@ -332,16 +334,17 @@ impl Checker<'_, '_> {
         let ItemKind::Enum { name, annotations, values } = item else { return (Ty::ERROR, id) };
         let name = *name;
         let window = self.standard_annotations(annotations).window;
-        self.annotations(annotations);
+        let uses = self.annotations(annotations);
         if values.is_empty() {
             self.emit(name.span, problems::EmptyEnum { name: self.name_of(name).to_string() });
         }
         self.scopes.enter();
         let mut checked: Vec<(Arc<str>, i32)> = Vec::new();
+        let mut value_uses = Vec::new();
         for value in values {
             let next = checked.last().map_or(0, |(_, value)| value.wrapping_add(1));
             let number = value.value.map_or(next, |value| self.enumerator_value(value).unwrap_or(next));
-            self.annotations(&value.annotations);
+            value_uses.push(self.annotations(&value.annotations));
             let name = self.name_of(value.name);
             // A value may refer to those before it.
             self.scopes.declare(name, LocalEntry::Constant(Value::Int(number), Ty::INT), value.name.span);
@@ -353,6 +356,8 @@ impl Checker<'_, '_> {
         self.m.module.enums.push(Arc::new(Enum {
             name: qualified,
             values: checked,
+            uses,
+            value_uses,
             window,
             span: name.span,
         }));

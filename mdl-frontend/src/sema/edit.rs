@@ -138,6 +138,8 @@ impl Shift for Constant {
 
 impl Shift for Enum {
     fn shift(&mut self, edit: &Edit, file: &str) -> Option<()> {
+        self.uses.shift(edit, file)?;
+        self.value_uses.shift(edit, file)?;
         self.span.shift(edit, file)
     }
 }
@@ -145,7 +147,11 @@ impl Shift for Enum {
 impl Shift for Struct {
     fn shift(&mut self, edit: &Edit, file: &str) -> Option<()> {
         self.span.shift(edit, file)?;
-        self.fields.iter_mut().try_for_each(|field| field.span.shift(edit, file))?;
+        self.uses.shift(edit, file)?;
+        for field in &mut self.fields {
+            field.span.shift(edit, file)?;
+            field.uses.shift(edit, file)?;
+        }
         self.body.shift(edit, file)
     }
 }

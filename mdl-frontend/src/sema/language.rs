@@ -16,6 +16,8 @@ pub fn module() -> Module {
     module.enums.push(Arc::new(Enum {
         name: "intensity_mode".into(),
         values: vec![("intensity_radiant_exitance".into(), 0), ("intensity_power".into(), 1)],
+        uses: Vec::new(),
+        value_uses: Vec::new(),
         window: Window::ALWAYS,
         span: Span::default(),
     }));
@@ -71,6 +73,7 @@ pub fn module() -> Module {
             scalars: 32,
             depth: 3,
             body: Body::default(),
+            uses: Vec::new(),
             window: Window::ALWAYS,
             span: Span::default(),
         }));
@@ -80,8 +83,16 @@ pub fn module() -> Module {
 
 fn field(name: &str, ty: Ty, default: FieldDefault) -> Field {
     let varying_default = default == FieldDefault::Normal;
-    let since = Version::new(1, 0);
-    Field { name: name.into(), ty, uniform: false, default, varying_default, since, span: Span::default() }
+    Field {
+        name: name.into(),
+        ty,
+        uniform: false,
+        default,
+        varying_default,
+        since: Version::new(1, 0),
+        uses: Vec::new(),
+        span: Span::default(),
+    }
 }
 
 /// A field that came with MDL 1.`minor`. Such fields stand last: versions before see those in front of them.

@@ -53,6 +53,11 @@ pub struct Module {
 }
 
 impl Module {
+    /// A part of its text.
+    pub fn slice(&self, span: Span) -> Option<String> {
+        self.text.get(span.start as usize..span.end as usize).map(str::to_string)
+    }
+
     /// A module without content.
     pub fn empty(id: ModuleId, identity: ModuleIdentity, text: Arc<str>, version: Version) -> Self {
         Self {
@@ -128,6 +133,10 @@ pub struct Enum {
     pub name: Arc<str>,
     /// Names and values in order of declaration.
     pub values: Vec<(Arc<str>, i32)>,
+    /// Annotations.
+    pub uses: Vec<AnnotationUse>,
+    /// Annotations of the values.
+    pub value_uses: Vec<Vec<AnnotationUse>>,
     /// Versions that have it.
     pub window: Window,
     /// Where it is declared.
@@ -151,6 +160,8 @@ pub struct Struct {
     pub depth: u32,
     /// Expressions of the defaults of its fields.
     pub body: Body,
+    /// Annotations.
+    pub uses: Vec<AnnotationUse>,
     /// Versions that have it.
     pub window: Window,
     /// Where it is declared.
@@ -172,6 +183,8 @@ pub struct Field {
     pub varying_default: bool,
     /// First version of the language that has it.
     pub since: Version,
+    /// Annotations.
+    pub uses: Vec<AnnotationUse>,
     /// Where it is declared.
     pub span: Span,
 }
