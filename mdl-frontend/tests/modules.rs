@@ -169,3 +169,15 @@ error[E0501]: `f` has no parameter `rougness`
     assert_eq!((record.code, record.severity, record.line, record.column), ("E0501", "error", 3, 22));
     assert_eq!((record.file.as_str(), record.help.as_deref()), ("m.mdl", Some("did you mean `roughness`?")));
 }
+
+#[test]
+fn old_modules_find_bare_names_under_any_root() {
+    let user = |version: &str| format!("mdl {version}; import tools::*; export float f() = tools::g();");
+    let loader = MemoryLoader::new()
+        .with_root("::old", user("1.5").replace("f() = tools::g();", "f() { return tools::g(); }"), "here")
+        .with_root("::new", user("1.6"), "here")
+        .with_root("::tools", "mdl 1.3; export float g() { return 1.0; }", "elsewhere");
+    let compiler = Compiler::new(loader);
+    assert_eq!(codes(&compiler, "::old"), Vec::<&str>::new());
+    assert_eq!(codes(&compiler, "::new"), ["E0206"]);
+}

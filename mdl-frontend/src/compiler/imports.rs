@@ -184,7 +184,9 @@ fn candidates(from: &ModuleIdentity, version: Version, request: &ImportRequest) 
         }
         PathStart::Weak => {
             let relative = Candidate { segments: below(package), relative: true };
-            match version <= Version::new(1, 5) && !package.is_empty() {
+            match version <= Version::new(1, 5) {
+                // Both are the same, and an absolute one may come from any root.
+                true if package.is_empty() => vec![absolute()],
                 true => vec![relative, absolute()],
                 false => vec![relative],
             }
