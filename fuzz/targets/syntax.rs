@@ -17,10 +17,10 @@ fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };
     match format(text, "fuzz.mdl") {
         Ok(once) => assert_eq!(format(&once, "fuzz.mdl").as_deref().ok(), Some(&*once), "not idempotent"),
-        Err(diagnostics) => {
-            let spans = diagnostics.iter().flat_map(|diagnostic| &diagnostic.labels);
+        Err(unparsed) => {
+            let spans = unparsed.diagnostics.iter().flat_map(|diagnostic| &diagnostic.labels);
             for (place, _) in spans {
-                assert!(text.get(place.span.start as usize..place.span.end as usize).is_some(), "{place:?}");
+                assert!(unparsed.text.get(place.span.start as usize..place.span.end as usize).is_some(), "{place:?}");
             }
         }
     }

@@ -821,9 +821,10 @@ fn facets_d(facets: u32, alpha: vec2f, h: vec3f, h2: f32) -> f32 {
         let s2 = min((flat2 / h2), 1.0);
         let near = ((-slope2 / h2) * phong_log_ratio(s2));
         let power = select(near, ((slope2 / flat2) * math_log(max((z2 / h2), 1e-37))), (s2 > 0.25));
-        let u = (2.0 + ((2.0 * alpha.x) * alpha.x));
-        let v = (2.0 + ((2.0 * alpha.y) * alpha.y));
-        return ((((0.5 * FRAC_1_PI) * sqrt((u * v))) / area) * math_exp(power));
+        let u = (2.0 + (alpha.x * alpha.x));
+        let v = (2.0 + (alpha.y * alpha.y));
+        let root = sqrt((((u * v) * h2) / max(z2, (1e-37 * h2))));
+        return ((((0.5 * FRAC_1_PI) * root) / area) * math_exp(power));
     }
     let inverse = (1.0 / alpha.x);
     return (((0.5 * FRAC_1_PI) * (2.0 + inverse)) * math_pow(min((flat2 / h2), 1.0), (0.5 * inverse)));
@@ -842,10 +843,10 @@ fn facets_sample(facets: u32, alpha: vec2f, u: vec2f) -> vec3f {
         return normalize_or(vec3f(((alpha.x * r) * sc.y), ((alpha.y * r) * sc.x), 1.0), vec3f(0.0, 0.0, 1.0));
     }
     if (facets == FACETS_PHONG) {
-        let wide = normalize_or(vec3f(((sc.y * alpha.x) * sqrt((1.0 + (alpha.y * alpha.y)))), ((sc.x * alpha.y) * sqrt((1.0 + (alpha.x * alpha.x)))), 0.0), vec3f(1.0, 0.0, 0.0));
+        let wide = normalize_or(vec3f(((sc.y * alpha.x) * sqrt((2.0 + (alpha.y * alpha.y)))), ((sc.x * alpha.y) * sqrt((2.0 + (alpha.x * alpha.x)))), 0.0), vec3f(1.0, 0.0, 0.0));
         let x = (wide.x / alpha.x);
         let y = (wide.y / alpha.y);
-        let log = (math_log(v) / ((2.0 * ((x * x) + (y * y))) + 2.0));
+        let log = (math_log(v) / ((2.0 * ((x * x) + (y * y))) + 1.0));
         let z = math_exp(log);
         let s = sqrt(max(((-2.0 * z) * math_sinh(log)), 0.0));
         return vec3f((wide.x * s), (wide.y * s), z);
@@ -1169,7 +1170,7 @@ fn glossy_normal_albedo(lobe: Glossy, wo: vec3f, wm: vec3f) -> f32 {
     let below = select(0.0, glossy_shadowing(lobe, wo, wt, wm.z, c, im, visible), (wt.z < 0.0));
     return ((r * above) + ((1.0 - r) * below));
 }
-const ANISOTROPIC_SHARE: f32 = 0.4;
+const ANISOTROPIC_SHARE: f32 = 0.33;
 
 fn quintic(
     x: f32,
@@ -1197,26 +1198,26 @@ fn glossy_loss(op: u32, alpha: f32, mu: f32) -> f32 {
 
 fn glossy_loss_fit(op: u32, alpha: f32, t: f32) -> f32 {
     if (op == OP_BECKMANN_SMITH) {
-        return ((quintic(t, cubic(vec4f(0.021802, 0.045393, -0.142594, 0.159352), alpha), cubic(vec4f(0.988651, -1.665541, 6.074658, -6.281233), alpha), cubic(vec4f(-9.102284, 10.638974, -41.186515, 58.886292), alpha), cubic(vec4f(34.781518, -21.754057, 92.344188, -200.699361), alpha), cubic(vec4f(-50.830193, 18.813976, -73.714033, 305.968498), alpha), cubic(vec4f(24.346131, 0.416989, -24.107794, -127.060070), alpha)) * (1.0 - t)) - 0.0122);
+        return ((quintic(t, cubic(vec4f(0.021866, 0.036548, -0.116330, 0.141893), alpha), cubic(vec4f(0.986037, -1.638502, 6.016981, -6.246905), alpha), cubic(vec4f(-9.069356, 12.080729, -46.312368, 62.466531), alpha), cubic(vec4f(34.629537, -29.873240, 121.822790, -221.238919), alpha), cubic(vec4f(-50.580212, 33.783996, -129.002715, 343.954927), alpha), cubic(vec4f(24.213737, -8.550887, 9.255230, -149.277097), alpha)) * (1.0 - t)) - 0.0119);
     }
     if (op == OP_GGX_VCAVITIES) {
-        return ((quintic(t, cubic(vec4f(-0.008323, 0.108912, -0.236580, 0.128574), alpha), cubic(vec4f(0.424339, -5.695830, 13.279786, -6.594141), alpha), cubic(vec4f(-1.880651, 45.226224, -101.641659, 49.285747), alpha), cubic(vec4f(5.294266, -137.745869, 288.455789, -104.569487), alpha), cubic(vec4f(-4.650027, 160.118475, -264.618354, 21.517689), alpha), cubic(vec4f(0.537228, -59.072841, 62.261869, 56.025987), alpha)) * (1.0 - t)) - 0.0092);
+        return ((quintic(t, cubic(vec4f(0.004576, 0.041367, -0.112244, 0.057583), alpha), cubic(vec4f(-0.210112, -2.435367, 5.088588, -0.941911), alpha), cubic(vec4f(2.703446, 27.413009, -42.366882, 2.242607), alpha), cubic(vec4f(-7.317091, -99.204317, 109.273817, 52.875048), alpha), cubic(vec4f(10.293373, 122.091267, -13.652756, -213.643385), alpha), cubic(vec4f(-5.817452, -44.807848, -69.977269, 184.795958), alpha)) * (1.0 - t)) - 0.0091);
     }
     if (op == OP_BECKMANN_VCAVITIES) {
-        return ((quintic(t, cubic(vec4f(-0.010230, 0.018238, -0.073328, 0.075293), alpha), cubic(vec4f(0.889358, -2.636960, 5.424865, -3.797450), alpha), cubic(vec4f(-8.649434, 33.620016, -46.989163, 26.424348), alpha), cubic(vec4f(33.171436, -124.495237, 88.632953, -9.432715), alpha), cubic(vec4f(-47.312800, 164.886076, 56.530435, -147.565152), alpha), cubic(vec4f(21.998805, -64.394149, -171.026574, 210.811133), alpha)) * (1.0 - t)) - 0.0102);
+        return ((quintic(t, cubic(vec4f(-0.010304, 0.026959, -0.098387, 0.091693), alpha), cubic(vec4f(0.890890, -3.064467, 6.620376, -4.568157), alpha), cubic(vec4f(-8.662196, 36.733745, -55.631454, 31.933835), alpha), cubic(vec4f(33.213867, -132.826896, 111.506443, -23.793283), alpha), cubic(vec4f(-47.370721, 174.350391, 30.974288, -131.846028), alpha), cubic(vec4f(22.025890, -68.265414, -160.801484, 204.672060), alpha)) * (1.0 - t)) - 0.0102);
     }
     if (op == OP_WARD) {
-        return ((quintic(t, cubic(vec4f(0.001752, 0.001966, 0.002140, -0.001852), alpha), cubic(vec4f(1.878180, -0.151267, 1.418887, 0.069267), alpha), cubic(vec4f(-8.377758, 2.079050, -1.427905, -5.074465), alpha), cubic(vec4f(25.245173, -9.256740, 0.172648, 32.255229), alpha), cubic(vec4f(-33.777125, 13.250828, 34.693919, -96.458424), alpha), cubic(vec4f(15.026973, -3.424186, -53.048371, 103.911503), alpha)) * (1.0 - t)) - 0.0042);
+        return ((quintic(t, cubic(vec4f(0.001529, 0.002360, 0.000942, -0.000811), alpha), cubic(vec4f(1.880037, -0.201461, 1.570437, -0.017933), alpha), cubic(vec4f(-8.388028, 2.587254, -3.034493, -4.328010), alpha), cubic(vec4f(25.278350, -11.149513, 6.221193, 30.245513), alpha), cubic(vec4f(-33.826014, 16.184907, 25.545393, -95.085965), alpha), cubic(vec4f(15.051414, -4.966080, -48.585016, 104.673753), alpha)) * (1.0 - t)) - 0.0042);
     }
-    return ((quintic(t, cubic(vec4f(-0.008120, 0.003526, -0.016629, 0.020310), alpha), cubic(vec4f(0.728445, -1.606569, 2.006682, -0.290509), alpha), cubic(vec4f(-7.013312, 28.780173, -33.148672, 3.983721), alpha), cubic(vec4f(27.522584, -125.834159, 106.311619, 33.679482), alpha), cubic(vec4f(-39.542451, 187.256063, -37.511482, -185.320918), alpha), cubic(vec4f(18.357836, -85.225327, -87.451879, 209.495401), alpha)) * (1.0 - t)) - 0.0086);
+    return ((quintic(t, cubic(vec4f(-0.013516, 0.076712, -0.188384, 0.116670), alpha), cubic(vec4f(1.115230, -9.128073, 20.113239, -10.726370), alpha), cubic(vec4f(-10.869623, 110.646688, -223.222328, 109.119772), alpha), cubic(vec4f(40.455348, -411.078839, 726.252177, -273.870593), alpha), cubic(vec4f(-56.712615, 575.451629, -797.921680, 116.722843), alpha), cubic(vec4f(26.116329, -263.050487, 201.867514, 158.453524), alpha)) * (1.0 - t)) - 0.0132);
 }
 
 fn glossy_mean_loss(op: u32, alpha: f32) -> f32 {
     if (op == OP_GGX_SMITH) {
         let root = sqrt(alpha);
-        let low = septic(vec4f(0.001451, -0.067216, 0.668570, 3.539301), vec4f(-12.074610, 24.764432, -32.163252, 21.782655), root);
+        let low = septic(vec4f(0.001421, -0.066154, 0.656688, 3.604301), vec4f(-12.275078, 25.129295, -32.551043, 22.004815), root);
         let square = (alpha * alpha);
-        let fit = (low - (((5.828110 * square) * square) * root));
+        let fit = (low - (((5.881026 * square) * square) * root));
         return select(1.5e-3, fit, (alpha > 0.0158));
     }
     let low = select(select(0.08, 0.055, (op == OP_GGX_VCAVITIES)), 0.035, (op == OP_WARD));
@@ -1225,25 +1226,25 @@ fn glossy_mean_loss(op: u32, alpha: f32) -> f32 {
 
 fn glossy_mean_fit(op: u32, alpha: f32) -> f32 {
     if (op == OP_BECKMANN_SMITH) {
-        return (1.031 * septic(vec4f(0.776266, -9.859455, 49.316661, -123.280267), vec4f(163.743781, -108.873836, 28.502858, 0.0), sqrt(alpha)));
+        return (1.034 * septic(vec4f(0.769377, -9.761946, 48.764537, -121.692648), vec4f(161.355696, -107.091346, 27.982531, 0.000000), sqrt(alpha)));
     }
     if (op == OP_GGX_VCAVITIES) {
-        return (1.051 * septic(vec4f(0.703076, -8.272438, 35.092877, -65.913792), vec4f(60.521567, -23.495213, 1.787187, 0.0), sqrt(alpha)));
+        return (1.050 * septic(vec4f(0.430624, -4.851440, 18.641040, -26.925715), vec4f(12.082475, 6.714142, -5.665598, 0.000000), sqrt(alpha)));
     }
     if (op == OP_BECKMANN_VCAVITIES) {
-        return (1.034 * septic(vec4f(0.751613, -10.486248, 57.827619, -160.032237), vec4f(235.136586, -172.824955, 49.959916, 0.0), sqrt(alpha)));
+        return (1.037 * septic(vec4f(0.751290, -10.484129, 57.828211, -160.067098), vec4f(235.237994, -172.937206, 50.003273, 0.000000), sqrt(alpha)));
     }
     if (op == OP_WARD) {
-        return (1.025 * septic(vec4f(0.169989, -2.488991, 12.890915, -27.194534), vec4f(32.245917, -20.014306, 4.893565, 0.0), sqrt(alpha)));
+        return (1.028 * septic(vec4f(0.163873, -2.384024, 12.207345, -25.057892), vec4f(28.838545, -17.351150, 4.086057, 0.000000), sqrt(alpha)));
     }
-    return (1.032 * septic(vec4f(0.234031, -3.721095, 22.868775, -69.282870), vec4f(110.870247, -87.351624, 26.649299, 0.0), sqrt(alpha)));
+    return (1.037 * septic(vec4f(0.725637, -10.199080, 56.687442, -158.425591), vec4f(235.608495, -175.338975, 51.278755, 0.000000), sqrt(alpha)));
 }
 
 fn sheen_albedo(roughness: f32, mu: f32) -> f32 {
     let s = sqrt(sane_alpha(roughness));
     let x = (mu / (mu + s));
-    let high = quintic(x, cubic(vec4f(0.225990, -2.089430, 9.217020, -6.675080), s), cubic(vec4f(6.077950, 26.949260, -119.293230, 91.061080), s), cubic(vec4f(-29.025440, -121.993140, 574.623020, -451.231840), s), cubic(vec4f(72.082260, 241.820380, -1254.302160, 1034.914170), s), cubic(vec4f(-77.316420, -222.952150, 1312.775150, -1147.620360), s), cubic(vec4f(28.944620, 79.654320, -538.701070, 494.047370), s));
-    return unit(((1.0 - (cubic(vec4f(0.003170, 0.039620, -0.156030, 0.117590), s) + (x * high))) + 0.007));
+    let high = quintic(x, cubic(vec4f(0.182386, -1.750024, 8.450559, -6.139677), s), cubic(vec4f(6.360615, 25.636229, -118.253925, 88.956734), s), cubic(vec4f(-29.597860, -124.794808, 602.452339, -456.201103), s), cubic(vec4f(72.266909, 261.505770, -1370.659008, 1053.828265), s), cubic(vec4f(-76.794117, -252.693863, 1472.390364, -1139.899303), s), cubic(vec4f(28.570965, 93.408071, -607.751661, 459.298155), s));
+    return unit(((1.0 - (cubic(vec4f(0.004206, 0.029186, -0.141438, 0.113149), s) + (x * high))) + 0.0061));
 }
 
 struct Multiscatter {

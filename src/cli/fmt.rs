@@ -7,7 +7,6 @@ use mdl_frontend::diagnostics::render;
 use mdl_frontend::format::format;
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Arguments of `fmt`.
 #[derive(clap::Args)]
@@ -42,11 +41,11 @@ pub fn run(args: &Args) -> Result<(), Fail> {
                     false => write_file(file, formatted.as_bytes())?,
                 }
             }
-            Err(errors) => {
+            Err(unparsed) => {
                 failed = true;
-                let source: Arc<str> = text.as_str().into();
-                for error in &errors {
-                    eprint!("{}", render(error, |_| Some(source.clone()), std::io::stderr().is_terminal()));
+                let source = |_: &str| Some(unparsed.text.clone());
+                for error in &unparsed.diagnostics {
+                    eprint!("{}", render(error, source, std::io::stderr().is_terminal()));
                 }
             }
         }

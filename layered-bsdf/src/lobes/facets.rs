@@ -5,8 +5,8 @@
 //!
 //! - GGX and Beckmann: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
 //!   2007 (eq. 25, 28, 33, 35), anisotropic by stretching slopes.
-//! - Phong with the exponent 2/α²: M. Ashikhmin, P. Shirley, "An Anisotropic Phong BRDF Model", JGT 5(2),
-//!   2000 (eq. 4 and its sampling), normalised over projected area.
+//! - Phong: D cos θm is the density of M. Ashikhmin, P. Shirley, "An Anisotropic Phong BRDF Model", JGT 5(2),
+//!   2000 (eq. 6 and its sampling), with the exponent 2/α².
 //! - Sheen: A. Estevez, C. Kulla, "Production Friendly Microfacet Sheen BRDF", 2017 (eq. 2): facets that
 //!   stand up like fibres, D ∝ (sin θm)^(1/α).
 
@@ -53,9 +53,11 @@ pub mod code {
             let s2 = min(flat2 / h2, 1.0);
             let near = -slope2 / h2 * phong_log_ratio(s2);
             let power = select(near, slope2 / flat2 * math_log(max(z2 / h2, 1e-37)), s2 > 0.25);
-            let u = 2.0 + 2.0 * alpha.x * alpha.x;
-            let v = 2.0 + 2.0 * alpha.y * alpha.y;
-            return 0.5 * FRAC_1_PI * sqrt(u * v) / area * math_exp(power);
+            let u = 2.0 + alpha.x * alpha.x;
+            let v = 2.0 + alpha.y * alpha.y;
+            // One power less than the density of what is seen.
+            let root = sqrt(u * v * h2 / max(z2, 1e-37 * h2));
+            return 0.5 * FRAC_1_PI * root / area * math_exp(power);
         }
         let inverse = 1.0 / alpha.x;
         0.5 * FRAC_1_PI * (2.0 + inverse) * math_pow(min(flat2 / h2, 1.0), 0.5 * inverse)
@@ -77,18 +79,18 @@ pub mod code {
             return normalize_or(vec3f(alpha.x * r * sc.y, alpha.y * r * sc.x, 1.0), vec3f(0.0, 0.0, 1.0));
         }
         if facets == FACETS_PHONG {
-            // The azimuth is stretched by the roots of the exponents plus 2, here times α.
+            // The azimuth is stretched by the roots of the exponents plus 1, here times α.
             let wide = normalize_or(
                 vec3f(
-                    sc.y * alpha.x * sqrt(1.0 + alpha.y * alpha.y),
-                    sc.x * alpha.y * sqrt(1.0 + alpha.x * alpha.x),
+                    sc.y * alpha.x * sqrt(2.0 + alpha.y * alpha.y),
+                    sc.x * alpha.y * sqrt(2.0 + alpha.x * alpha.x),
                     0.0,
                 ),
                 vec3f(1.0, 0.0, 0.0),
             );
             let x = wide.x / alpha.x;
             let y = wide.y / alpha.y;
-            let log = math_log(v) / (2.0 * (x * x + y * y) + 2.0);
+            let log = math_log(v) / (2.0 * (x * x + y * y) + 1.0);
             // s² = 1 − z² = −(e^(2 log) − 1) = −2 e^log sinh(log).
             let z = math_exp(log);
             let s = sqrt(max(-2.0 * z * math_sinh(log), 0.0));

@@ -1,7 +1,7 @@
 //! Directional albedo of the GGX lobe: the share of energy that leaves in one scattering.
 //!
 //! An isotropic reflector has a fitted formula: the loss 1 − E as a rational function of t = μ/(μ + α)
-//! and α, largest error 8e-4. `examples/fit_ggx_albedo.rs` computes the coefficients from a quadrature
+//! and α, largest error 8e-4. `examples/fit_albedo.rs` computes the coefficients from a quadrature
 //! of our own. Other lobes are integrated here, over [`ALBEDO_CELLS`]² visible normals: the mean of
 //! R·G1(reflected) + (1 − R)·G1(refracted), largest error 0.025 where total reflection cuts through.
 

@@ -20,14 +20,23 @@ const WIDTH: usize = 100;
 /// Blanks per level.
 const INDENT: usize = 4;
 
+/// Why a module is not formatted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unparsed {
+    /// What cannot be parsed.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The text that their places lie in: without byte-order mark and carriage returns.
+    pub text: Arc<str>,
+}
+
 /// The module in canonical form. Fails with the errors of a module that cannot be parsed.
-pub fn format(text: &str, file: &str) -> Result<String, Vec<Diagnostic>> {
+pub fn format(text: &str, file: &str) -> Result<String, Unparsed> {
     let mut sink = Sink::new(file.into());
     // A byte-order mark and the carriage returns of some systems say nothing.
     let text: Arc<str> = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").into();
     parse_module(text.clone(), &mut sink);
     if sink.has_errors() {
-        return Err(sink.finish());
+        return Err(Unparsed { diagnostics: sink.finish(), text });
     }
     let pieces = pieces::pieces(&text);
     let formatted = printer::print(&layout::layout(&text, &pieces));

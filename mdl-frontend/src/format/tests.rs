@@ -95,7 +95,11 @@ fn header_and_line_ends_are_normal() {
 
 #[test]
 fn broken_modules_are_refused() {
-    assert_eq!(format("mdl 1.7; float f() = ;", "test").unwrap_err()[0].code.0, "E0103");
+    assert_eq!(format("mdl 1.7; float f() = ;", "test").unwrap_err().diagnostics[0].code.0, "E0103");
+    // Places are those in the text without its mark.
+    let unparsed = format("\u{feff}mdl 1.7; float f() = ;", "test").unwrap_err();
+    let span = unparsed.diagnostics[0].place().span;
+    assert_eq!(&unparsed.text[span.start as usize..span.end as usize], ";");
 }
 
 #[test]

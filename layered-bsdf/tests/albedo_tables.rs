@@ -1,0 +1,175 @@
+//! The albedo of our lobes against tables that others computed: those of the reference implementation of MDL
+//! (separable masking). `../shared/data/measured/albedo_mdl` holds them; where it is missing, the tests say so.
+//!
+//! A table has rows by roughness and columns by angle. Its layers: reflection without Fresnel; then, for 16
+//! indices of refraction, reflection and transmission from outside, and from inside.
+
+use layered_bsdf::prelude::*;
+use std::path::Path;
+
+/// Largest difference that is accepted, over all rows and columns but the last, which is at 90°.
+const TOLERANCE: f64 = 2e-4;
+
+/// Samples per place.
+const SAMPLES: u32 = 1 << 19;
+
+/// Every how many rows and columns are compared: `LACQUER_TABLE_STEP=1` compares all.
+fn step() -> usize {
+    std::env::var("LACQUER_TABLE_STEP").ok().and_then(|step| step.parse().ok()).unwrap_or(16)
+}
+
+/// A table as it is stored.
+struct Table {
+    angles: usize,
+    roughnesses: usize,
+    values: Vec<f32>,
+}
+
+impl Table {
+    fn read(name: &str) -> Option<Self> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured/albedo_mdl");
+        let path = folder.join(format!("{name}.bin"));
+        let Ok(bytes) = std::fs::read(&path) else {
+            eprintln!("skipped: {} is not there", path.display());
+            return None;
+        };
+        let word = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+        let size = |index: usize| u32::from_le_bytes(word(4 * index)) as usize;
+        let values = (12..bytes.len()).step_by(4).map(|at| f32::from_le_bytes(word(at))).collect();
+        Some(Self { angles: size(0), roughnesses: size(1), values })
+    }
+
+    fn value(&self, layer: usize, row: usize, column: usize) -> f64 {
+        f64::from(self.values[(layer * self.roughnesses + row) * (self.angles + 1) + column])
+    }
+}
+
+/// What a lobe of this tree sends back and on: the mean weight of samples at the points of a net.
+fn albedo(tree: &Tree<f32>, point: ShadingPoint, mu: f64) -> f64 {
+    let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
+    let mut program = program.to_program();
+    let wo = vec3f((1.0 - mu * mu).sqrt() as f32, 0.0, mu as f32);
+    let directions = directions();
+    let mut sum = 0.0;
+    for index in 0..SAMPLES {
+        let u = [0, 1, 2].map(|dimension| sobol(index, &directions[dimension]));
+        sum += f64::from(bsdf_sample(&mut program, &mut params, point, wo, vec3f(u[0], u[1], u[2])).weight.y);
+    }
+    sum / f64::from(SAMPLES)
+}
+
+/// A dimension of Sobol's sequence with these direction numbers.
+fn sobol(mut index: u32, directions: &[u32; 32]) -> f32 {
+    let mut bits = 0;
+    for direction in directions {
+        if index & 1 != 0 {
+            bits ^= direction;
+        }
+        index >>= 1;
+    }
+    (((f64::from(bits) + 0.5) / 4_294_967_296.0) as f32).min(1.0 - f32::EPSILON / 2.0)
+}
+
+/// The direction numbers of the first three dimensions (S. Joe, F. Kuo, 2008: polynomials 1, x + 1 and
+/// x² + x + 1).
+fn directions() -> [[u32; 32]; 3] {
+    let mut all = [[0; 32]; 3];
+    all.iter_mut().for_each(|dimension| dimension[0] = 1 << 31);
+    all[2][1] = 3 << 30;
+    for k in 1..32 {
+        all[0][k] = all[0][k - 1] >> 1;
+        all[1][k] = all[1][k - 1] ^ all[1][k - 1] >> 1;
+        if k > 1 {
+            all[2][k] = all[2][k - 1] ^ all[2][k - 2] ^ all[2][k - 2] >> 2;
+        }
+    }
+    all
+}
+
+fn glossy(model: GlossyModel, alpha: f32, mode: ScatterMode) -> Tree<f32> {
+    Tree::Glossy {
+        model,
+        tint: [1.0; 3],
+        multiscatter_tint: None,
+        roughness_u: alpha,
+        roughness_v: alpha,
+        mode,
+        tangent: None,
+    }
+}
+
+/// Compares a layer of a table with a lobe; what is wrong, if it is.
+fn compare(
+    name: &str,
+    layer: usize,
+    lobe: impl Fn(f32) -> Tree<f32> + Sync,
+    point: ShadingPoint,
+) -> Option<String> {
+    let table = Table::read(name)?;
+    let rows: Vec<usize> = (1..table.roughnesses).rev().step_by(step()).collect();
+    let places: Vec<(usize, usize)> = rows
+        .iter()
+        .flat_map(|row| (0..table.angles - 1).step_by(step()).map(|column| (*row, column)))
+        .collect();
+    let difference = |(row, column): (usize, usize)| {
+        let alpha = row as f32 / (table.roughnesses - 1) as f32;
+        let degrees = 90.0 * column as f64 / (table.angles - 1) as f64;
+        let ours = albedo(&lobe(alpha), point, degrees.to_radians().cos());
+        let theirs = table.value(layer, row, column);
+        let place = format!("alpha {alpha:.3}, {degrees:.1}°: {ours:.5}, table {theirs:.5}");
+        ((ours - theirs).abs(), place)
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let (worst, place) = std::thread::scope(|scope| {
+        let worst = |part: usize| {
+            let own = places.iter().skip(part).step_by(threads);
+            own.map(|place| difference(*place)).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let handles: Vec<_> = (0..threads).map(|part| scope.spawn(move || worst(part))).collect();
+        let all = handles.into_iter().filter_map(|handle| handle.join().expect("no panic"));
+        all.max_by(|a, b| a.0.total_cmp(&b.0))
+    })?;
+    let text = format!("{name}, layer {layer}: {worst:.1e} ({place})");
+    println!("{text}");
+    (worst > TOLERANCE).then_some(text)
+}
+
+fn point(near: f32, far: f32) -> ShadingPoint {
+    let iors = |x: f32| vec3f(x, x, x);
+    shading_point(vec3f(0.0, 0.0, 1.0), iors(near), iors(far), 0)
+}
+
+const MODELS: [(&str, GlossyModel); 6] = [
+    ("ggx_smith", GlossyModel::GgxSmith),
+    ("beckmann_smith", GlossyModel::BeckmannSmith),
+    ("ggx_vc", GlossyModel::GgxVcavities),
+    ("beckmann_vc", GlossyModel::BeckmannVcavities),
+    ("phong_vc", GlossyModel::Simple),
+    ("ward_gm", GlossyModel::Ward),
+];
+
+#[test]
+fn reflection_is_that_of_the_tables() {
+    let mut failures = Vec::new();
+    for (name, model) in MODELS {
+        let lobe = |alpha| glossy(model, alpha, ScatterMode::Reflect);
+        failures.extend(compare(name, 0, lobe, point(1.0, 1.5)));
+    }
+    let sheen = |roughness| Tree::Sheen { tint: [1.0; 3], roughness };
+    failures.extend(compare("sink_vc", 0, sheen, point(1.0, 1.5)));
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn refraction_is_that_of_the_tables() {
+    let mut failures = Vec::new();
+    for (name, model) in MODELS.into_iter().take(5) {
+        let lobe = |alpha| glossy(model, alpha, ScatterMode::ReflectTransmit);
+        for index in [3, 11] {
+            let ior = 1.125 + 0.125 * index as f32;
+            failures.extend(compare(name, 1 + index, lobe, point(1.0, ior)));
+            failures.extend(compare(name, 17 + index, lobe, point(ior, 1.0)));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
