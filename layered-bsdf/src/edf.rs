@@ -8,7 +8,9 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod code {
     //! Shared with the GPU.
+    use crate::curves::code::*;
     use crate::evaluator::code::*;
+    use crate::factors::code::*;
     use crate::frame::code::*;
     use crate::lobes::code::*;
     use crate::nodes::code::*;
@@ -30,6 +32,8 @@ pub mod code {
         if w.z <= 0.0 {
             return result;
         }
+        // Media do not matter to emission.
+        let point = shading_point(vec3f(0.0, 0.0, 1.0), splat3(1.0), splat3(1.0), 0);
         let mut visit: Visit = visit_root();
         let mut stack: [Visit; 6] = [visit, visit, visit, visit, visit, visit];
         let mut depth: u32 = 0;
@@ -58,7 +62,7 @@ pub mod code {
             } else if op >= OP_TINT && op < OP_WEIGHTED_LAYER {
                 // One direction: it is its own half vector.
                 let mirrored = vec3f(-w.x, -w.y, w.z);
-                visit.weight *= modifier_factor(n, p, visit.normal, w, mirrored, false);
+                visit.weight *= modifier_factor(n, p, point, visit.normal, w, mirrored, false);
                 visit.node += 1;
             } else {
                 if op == OP_DIFFUSE_EDF {

@@ -38,6 +38,8 @@ pub mod curves;
 pub mod describe;
 pub mod edf;
 pub mod evaluator;
+pub mod factors;
+pub mod film;
 pub mod frame;
 pub mod fresnel;
 pub mod lobes;

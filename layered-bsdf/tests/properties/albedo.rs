@@ -17,7 +17,13 @@ fn bound(tree: &Tree<f32>) -> f64 {
         // A quadrature and fits from below.
         Tree::Glossy { .. } | Tree::Sheen { .. } => 0.07,
         Tree::Layer { curve: Curve::Sheen { .. }, .. } => 0.1,
-        Tree::Layer { .. } | Tree::DirectionalFactor { .. } | Tree::Tint { .. } => 0.05,
+        Tree::Layer { .. }
+        | Tree::DirectionalFactor { .. }
+        | Tree::FresnelFactor { .. }
+        | Tree::MeasuredFactor { .. }
+        | Tree::CoatAbsorption { .. }
+        | Tree::ThinFilm { .. }
+        | Tree::Tint { .. } => 0.05,
         _ => 2e-4,
     }
 }

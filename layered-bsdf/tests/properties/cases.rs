@@ -91,11 +91,15 @@ enum Kind {
     Tint,
     Scale,
     DirectionalFactor,
+    FresnelFactor,
+    MeasuredFactor,
+    CoatAbsorption,
+    ThinFilm,
     Layer,
     DiffuseEdf,
 }
 
-const KINDS: [Kind; 12] = [
+const KINDS: [Kind; 16] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
@@ -106,6 +110,10 @@ const KINDS: [Kind; 12] = [
     Kind::Tint,
     Kind::Scale,
     Kind::DirectionalFactor,
+    Kind::FresnelFactor,
+    Kind::MeasuredFactor,
+    Kind::CoatAbsorption,
+    Kind::ThinFilm,
     Kind::Layer,
     Kind::DiffuseEdf,
 ];
@@ -122,6 +130,10 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::Tint { .. } => Kind::Tint,
         Tree::Scale { .. } => Kind::Scale,
         Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
+        Tree::FresnelFactor { .. } => Kind::FresnelFactor,
+        Tree::MeasuredFactor { .. } => Kind::MeasuredFactor,
+        Tree::CoatAbsorption { .. } => Kind::CoatAbsorption,
+        Tree::ThinFilm { .. } => Kind::ThinFilm,
         Tree::Layer { .. } => Kind::Layer,
         // Has tests of its own: it is no BSDF.
         Tree::DiffuseEdf => Kind::DiffuseEdf,
@@ -221,8 +233,124 @@ impl Kind {
                     );
                 }
             }
+            Kind::FresnelFactor => {
+                let tree = Tree::FresnelFactor {
+                    ior: GOLD.0,
+                    extinction: GOLD.1,
+                    base: Box::new(ggx(0.3, 0.3, ScatterMode::Reflect)),
+                };
+                add(list, "fresnel factor", tree, point(1.0, 1.0, 0), false);
+            }
+            Kind::MeasuredFactor => {
+                for (name, curve) in [("five", CURVE.to_vec()), ("one", vec![[0.5; 3]]), ("no", vec![])] {
+                    let base = Box::new(ggx(0.3, 0.3, ScatterMode::ReflectTransmit));
+                    let tree = Tree::MeasuredFactor { curve, base };
+                    add(list, &format!("measured factor of {name} colors"), tree, point(1.0, 1.5, 0), false);
+                    // The angle at the half vector is not the same from both sides.
+                    list.last_mut().expect("just added").reciprocal = false;
+                }
+            }
+            Kind::CoatAbsorption => {
+                let transmitting = layer(
+                    Curve::Constant,
+                    0.5,
+                    None,
+                    diffuse(0.0),
+                    Tree::DiffuseTransmission { tint: WHITE },
+                );
+                for (ior, thickness) in [(1.5, 0.4), (0.8, 0.1), (1.0, 0.0)] {
+                    let tree = Tree::CoatAbsorption {
+                        ior: [ior, 1.1 * ior, 1.2 * ior],
+                        coefficient: [0.5, 1.0, 2.0],
+                        thickness,
+                        base: Box::new(transmitting.clone()),
+                    };
+                    let name = format!("coat absorption {ior}, thickness {thickness}");
+                    add(list, &name, tree, point(1.0, 1.0, 0), thickness == 0.0);
+                }
+            }
+            Kind::ThinFilm => film_cases(list),
             Kind::Layer => layer_cases(list),
             Kind::DiffuseEdf => {}
+        }
+    }
+}
+
+/// Gold, roughly: index of refraction and extinction.
+pub const GOLD: ([f32; 3], [f32; 3]) = ([0.17, 0.35, 1.5], [3.1, 2.7, 1.9]);
+
+/// A measured curve that rises and falls.
+const CURVE: [[f32; 3]; 5] =
+    [[0.1, 0.9, 0.5], [0.7, 0.2, 0.5], [0.3, 0.6, 0.9], [1.0, 0.1, 0.0], [0.5, 1.0, 1.0]];
+
+/// A film on `base`.
+pub fn film(thickness: f32, ior: [f32; 3], base: Tree<f32>) -> Tree<f32> {
+    Tree::ThinFilm { thickness, ior, base: Box::new(base) }
+}
+
+/// Films on everything that they change.
+fn film_cases(list: &mut Vec<Case>) {
+    let both = ScatterMode::ReflectTransmit;
+    let mirror = Tree::Specular { tint: WHITE, mode: both };
+    for (at, side) in transmission_points() {
+        let name = |what: &str| format!("film on {what} {side}");
+        add(list, &name("specular"), film(300.0, [1.33; 3], mirror.clone()), at, true);
+        add(list, &name("ggx"), film(300.0, [1.8; 3], ggx(0.3, 0.3, both)), at, false);
+    }
+    let air = point(1.0, 1.5, 0);
+    for (thickness, ior) in [(1.0, [1.8; 3]), (5e3, [1.3, 1.4, 1.6])] {
+        let vcavities = glossy(GlossyModel::BeckmannVcavities, (0.5, 0.2), both);
+        add(
+            list,
+            &format!("film of {thickness} nm on V-cavities"),
+            film(thickness, ior, vcavities),
+            air,
+            false,
+        );
+    }
+    // A soap bubble.
+    let bubble = point(1.0, 1.0, POINT_THIN_WALLED);
+    add(list, "film on nothing, specular", film(350.0, [1.33; 3], mirror), bubble, true);
+    for (at, side) in [(bubble, "thin"), (point(1.0, 1.0, 0), "solid")] {
+        add(
+            list,
+            &format!("film on nothing, rough, {side}"),
+            film(350.0, [1.33; 3], ggx(0.2, 0.2, both)),
+            at,
+            false,
+        );
+        // Equal indices are moved apart, by as much from either side.
+        list.last_mut().expect("just added").reciprocal = false;
+    }
+    let gold = |base| Tree::FresnelFactor { ior: GOLD.0, extinction: GOLD.1, base: Box::new(base) };
+    let metal = gold(ggx(0.3, 0.3, ScatterMode::Reflect));
+    add(list, "film on gold", film(250.0, [1.7; 3], metal), point(1.0, 1.0, 0), false);
+    let factor = Tree::DirectionalFactor {
+        normal_tint: [0.9, 0.6, 0.1],
+        grazing_tint: WHITE,
+        f82_factor: Some([0.4, 0.6, 0.8]),
+        exponent: 5.0,
+        base: Box::new(ggx(0.3, 0.3, ScatterMode::Reflect)),
+    };
+    add(list, "film on a directional factor", film(250.0, [1.7; 3], factor), point(1.0, 1.0, 0), false);
+    let custom = Curve::Custom {
+        normal_reflectivity: [0.04, 0.3, 0.6],
+        grazing_reflectivity: WHITE,
+        f82_factor: None,
+        exponent: 5.0,
+    };
+    for (name, curve) in [("fresnel", Curve::Fresnel { ior: 1.7 }), ("custom curve", custom)] {
+        for roughness in [0.05, 0.6] {
+            let coat = layer(
+                curve.clone(),
+                1.0,
+                Some([0.1, 0.0, 1.0]),
+                ggx(roughness, roughness, ScatterMode::Reflect),
+                diffuse(0.0),
+            );
+            let name = format!("film on {name} layer, roughness {roughness}");
+            add(list, &name, film(400.0, [2.2; 3], coat), point(1.0, 1.5, 0), false);
+            list.last_mut().expect("just added").reciprocal = false;
         }
     }
 }
@@ -344,6 +472,8 @@ fn layer_cases(list: &mut Vec<Case>) {
         ("color fresnel", Curve::ColorFresnel { ior: [1.4, 1.6, 2.0] }),
         ("custom curve", custom(None)),
         ("custom curve f82", custom(Some([0.5, 0.6, 0.7]))),
+        ("measured curve", Curve::Measured { values: CURVE.to_vec() }),
+        ("empty measured curve", Curve::Measured { values: vec![] }),
     ] {
         let coat = layer(curve.clone(), 0.7, None, ggx(0.2, 0.2, ScatterMode::Reflect), diffuse(0.0));
         add(list, &format!("{name} layer, glossy over diffuse"), coat, air, false);

@@ -130,7 +130,17 @@ fn bad_parameters_stay_finite() {
                 exponent: a,
                 base: Box::new(color),
             };
-            let tree = Tree::Tint { tint: [a; 3], transmission: Some([b; 3]), base: Box::new(factor) };
+            let measured = Curve::Measured { values: vec![[a; 3], [b; 3], [a, b, 0.5]] };
+            let measured = layer(measured, b, Some([b, a, 1.0]), factor, Tree::Black);
+            let metal = Tree::FresnelFactor { ior: [a; 3], extinction: [b; 3], base: Box::new(measured) };
+            let coat = Tree::CoatAbsorption {
+                ior: [b; 3],
+                coefficient: [a; 3],
+                thickness: b,
+                base: Box::new(metal),
+            };
+            let filmed = Tree::ThinFilm { thickness: a, ior: [b; 3], base: Box::new(coat) };
+            let tree = Tree::Tint { tint: [a; 3], transmission: Some([b; 3]), base: Box::new(filmed) };
             list.push(Case {
                 name: format!("{a} and {b}"),
                 tree,

@@ -9,6 +9,7 @@ mod cases;
 mod chi_square;
 mod corners;
 mod energy;
+mod film;
 mod limits;
 mod math;
 mod reciprocity;

@@ -14,9 +14,9 @@
 use super::error::LowerError;
 use super::extend::GrowingGraph;
 use super::needs::TO_LOCAL;
-use layered_bsdf::prelude::{Curve, GlossyModel, ProgramError, ScatterMode, Tree};
+use layered_bsdf::prelude::{Curve, GlossyModel, MAX_PARAMS, ProgramError, ScatterMode, Tree};
 use mdl_frontend::graph::{BinaryOp, NodeId, NodeKind, Op, Stage};
-use mdl_frontend::types::TypeId;
+use mdl_frontend::types::{Type, TypeId};
 use mdl_frontend::value::Value;
 
 /// Deepest nesting of distribution functions.
@@ -147,6 +147,35 @@ impl<S: Structure> Distributions<'_, S> {
             }
             ("directional_factor", &[normal, grazing, exponent, base]) => {
                 self.directional(normal, grazing, None, exponent, base, depth)?
+            }
+            ("thin_film", &[thickness, ior, base]) => {
+                let (thickness, ior) = (self.float(thickness), self.color(ior));
+                over(self.nested(base, depth)?, |base| Tree::ThinFilm { thickness, ior, base })
+            }
+            ("fresnel_factor", &[ior, extinction, base]) => {
+                let (ior, extinction) = (self.color(ior), self.color(extinction));
+                over(self.nested(base, depth)?, |base| Tree::FresnelFactor { ior, extinction, base })
+            }
+            ("coat_absorption_factor", &[ior, coefficient, thickness, base]) => {
+                let (ior, coefficient) = (self.color(ior), self.color(coefficient));
+                let thickness = self.float(thickness);
+                over(self.nested(base, depth)?, |base| Tree::CoatAbsorption {
+                    ior,
+                    coefficient,
+                    thickness,
+                    base,
+                })
+            }
+            ("measured_curve_factor", &[curve, base]) => {
+                let curve = self.colors(curve)?;
+                over(self.nested(base, depth)?, |base| Tree::MeasuredFactor { curve, base })
+            }
+            (
+                "measured_curve_layer" | "color_measured_curve_layer",
+                &[curve, weight, layer, base, normal],
+            ) => {
+                let curve = Curve::Measured { values: self.colors(curve)? };
+                self.layer(curve, weight, layer, base, normal, depth)?
             }
             ("weighted_layer" | "color_weighted_layer", &[weight, layer, base, normal]) => {
                 self.layer(Curve::Constant, weight, layer, base, normal, depth)?
@@ -368,6 +397,23 @@ impl<S: Structure> Distributions<'_, S> {
         Ok(parts)
     }
 
+    /// The elements of an array of colours.
+    fn colors(&mut self, array: NodeId) -> Result<Vec<[Param; 3]>, LowerError> {
+        let ty = self.graph.graph.node(array).ty;
+        let Type::Array { size, .. } = *self.graph.graph.types.get(ty) else {
+            return Err(LowerError::Distribution("a measured curve that is no array".to_string()));
+        };
+        if size > MAX_PARAMS / 3 {
+            return Err(ProgramError::TooManyParams.into());
+        }
+        let mut colors = Vec::new();
+        for index in 0..size {
+            let color = self.graph.member(array, index, TypeId::COLOR);
+            colors.push(self.color(color));
+        }
+        Ok(colors)
+    }
+
     fn black_components(&mut self, array: &Value) -> Vec<(NodeId, NodeId)> {
         let mut parts = Vec::new();
         for element in array.elements() {
@@ -450,6 +496,11 @@ impl<S: Structure> Distributions<'_, S> {
         let local = self.graph.builtin(TO_LOCAL, vec![vector], TypeId::FLOAT3, Stage::Varying);
         [0, 1, 2].map(|i| Param::Node(local, i))
     }
+}
+
+/// A modifier of `base`; of what is black nothing remains.
+fn over(base: Tree<Param>, modifier: impl FnOnce(Box<Tree<Param>>) -> Tree<Param>) -> Tree<Param> {
+    if base == Tree::Black { base } else { modifier(Box::new(base)) }
 }
 
 /// The model of a glossy function.
