@@ -109,10 +109,14 @@ fn trees() -> Vec<(&'static str, Tree<f32>)> {
     );
     let sheen = Tree::Sheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
     let velvet = layer(Curve::Sheen { roughness: 0.4 }, sheen, diffuse(0.3), None);
+    let flakes = Tree::MicroflakeSheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
+    let dust = Tree::DustyDiffuse { tint: [0.9, 0.5, 0.1] };
+    let dusty = layer(Curve::Microflake { roughness: 0.4 }, flakes, dust, None);
     let mix = lobes.into_iter().fold(velvet, |mix, lobe| layer(Curve::Constant, lobe, mix, None));
     vec![
         ("every glossy lobe", mix),
         ("films and factors", films),
+        ("dusty microflakes", dusty),
         ("diffuse", diffuse(0.0)),
         ("rough diffuse", diffuse(0.7)),
         ("glossy", glossy),

@@ -719,6 +719,79 @@ fn lobe_absorb() -> LobeSample {
 fn lobe_zero() -> LobeValue {
     return LobeValue(0.0, 0.0);
 }
+fn sample_concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let wide = (abs(a) > abs(b));
+    let r = select(b, a, wide);
+    let ratio = (select(a, b, wide) / r);
+    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
+    let sc = math_sincos(angle);
+    return vec2f((r * sc.y), (r * sc.x));
+}
+
+fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
+    let d = sample_concentric_disc(u);
+    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
+}
+const MICROFLAKE_MIN: f32 = 0.01;
+const FRAC_1_SQRT_TWO_PI: f32 = 0.39894228;
+
+struct Microflake {
+    axis: vec2f,
+    a: f32,
+    b: f32,
+    albedo: f32
+}
+
+fn sane_sheen(roughness: f32) -> f32 {
+    return select(MICROFLAKE_MIN, min(roughness, 1.0), (roughness > MICROFLAKE_MIN));
+}
+
+fn microflake_albedo(roughness: f32, mu: f32) -> f32 {
+    let y = sane_sheen(roughness);
+    let s = ((y * (0.0206607 + (1.58491 * y))) / (0.0379424 + (y * (1.32227 + y))));
+    let m = ((y * (-0.193854 + (y * (-1.14885 + (y * (1.7932 - ((0.95943 * y) * y))))))) / (0.046391 + y));
+    let o = ((y * (0.000654023 + (y * (-0.0207818 + (0.119681 * y))))) / (1.26264 + (y * (-1.92021 + y))));
+    let t = ((mu - m) / s);
+    return unit((((math_exp(((-0.5 * t) * t)) * FRAC_1_SQRT_TWO_PI) / s) + o));
+}
+
+fn microflake_new(roughness: f32, wo: vec3f) -> Microflake {
+    let y = sane_sheen(roughness);
+    let x = unit(wo.z);
+    let flat = normalize_or(vec3f(wo.x, wo.y, 0.0), vec3f(1.0, 0.0, 0.0));
+    let b = (((((y - 1.0) * y) * y) * y) / (((0.0000254053 + (1.71228 * x)) - ((1.71506 * x) * y)) + ((1.34174 * y) * y)));
+    return Microflake(flat.xy, ((((2.58126 * x) + (0.813703 * y)) * y) / ((1.0 + ((0.310327 * x) * x)) + ((2.60994 * x) * y))), (sqrt((1.0 - x)) * b), microflake_albedo(y, x));
+}
+
+fn microflake_eval(lobe: Microflake, wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return lobe_zero();
+    }
+    let along = ((lobe.axis.x * wi.x) + (lobe.axis.y * wi.y));
+    let across = ((lobe.axis.x * wi.y) - (lobe.axis.y * wi.x));
+    let x = ((lobe.a * along) + (lobe.b * wi.z));
+    let y = (lobe.a * across);
+    let scale = (lobe.a / (((x * x) + (y * y)) + (wi.z * wi.z)));
+    let pdf = ((wi.z * FRAC_1_PI) * (scale * scale));
+    return LobeValue((lobe.albedo * pdf), pdf);
+}
+
+fn microflake_sample(lobe: Microflake, u: vec2f) -> LobeSample {
+    let w = sample_cosine_hemisphere(u);
+    let along = (w.x - (lobe.b * w.z));
+    let x = ((lobe.axis.x * along) - (lobe.axis.y * w.y));
+    let y = ((lobe.axis.y * along) + (lobe.axis.x * w.y));
+    let wi = normalize_or(vec3f(x, y, (lobe.a * w.z)), vec3f(0.0, 0.0, 0.0));
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_GLOSSY | EVENT_REFLECTION));
+}
 fn specular_reflectance(mode: u32, c: f32, eta: f32) -> f32 {
     if (mode == MODE_REFLECT) {
         return 1.0;
@@ -1039,6 +1112,8 @@ const OP_SIMPLE_GLOSSY: u32 = 8u;
 const OP_WARD: u32 = 9u;
 const OP_BACKSCATTERING: u32 = 10u;
 const OP_SHEEN: u32 = 11u;
+const OP_DUSTY_DIFFUSE: u32 = 12u;
+const OP_MICROFLAKE: u32 = 13u;
 const OP_TINT: u32 = 16u;
 const OP_SCALE: u32 = 17u;
 const OP_DIRECTIONAL_FACTOR: u32 = 18u;
@@ -1051,7 +1126,9 @@ const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
 const OP_CUSTOM_CURVE_LAYER: u32 = 35u;
 const OP_SHEEN_LAYER: u32 = 36u;
 const OP_MEASURED_LAYER: u32 = 37u;
+const OP_MICROFLAKE_LAYER: u32 = 38u;
 const OP_DIFFUSE_EDF: u32 = 64u;
+const OP_SPOT_EDF: u32 = 65u;
 const FLAG_VECTOR: u32 = 256u;
 const FLAG_COLOR: u32 = 512u;
 const FLAG_BASE_FIRST: u32 = 1024u;
@@ -1070,6 +1147,7 @@ const SLOT_FACTOR_EXPONENT: u32 = 6u;
 const SLOT_FACTOR_F82: u32 = 7u;
 const SLOT_COAT_ABSORPTION: u32 = 3u;
 const SLOT_COAT_THICKNESS: u32 = 6u;
+const SLOT_SPOT_AXIS: u32 = 2u;
 const SLOT_LAYER_IMPORTANCE: u32 = 0u;
 const SLOT_LAYER_WEIGHT: u32 = 2u;
 const SLOT_LAYER_CURVE: u32 = 5u;
@@ -1653,6 +1731,9 @@ fn layer_value(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) 
     if (op == OP_SHEEN_LAYER) {
         return splat3(sheen_albedo(param(p, slot), c));
     }
+    if (op == OP_MICROFLAKE_LAYER) {
+        return splat3(microflake_albedo(param(p, slot), c));
+    }
     return splat3(1.0);
 }
 
@@ -1673,7 +1754,7 @@ fn layer_curve(
     let slot = (n.y + SLOT_LAYER_CURVE);
     let at_seen = (weight * layer_value(n, p, point, seen));
     let at_lit = (weight * layer_value(n, p, point, lit));
-    if (op == OP_SHEEN_LAYER) {
+    if ((op == OP_SHEEN_LAYER) || (op == OP_MICROFLAKE_LAYER)) {
         return LayerCurve(at_seen, at_lit, weight, splat3(0.0));
     }
     let at_half = (weight * layer_value(n, p, point, half));
@@ -1691,7 +1772,7 @@ fn layer_curve(
 fn layer_normal_slot(n: vec4u) -> u32 {
     let op = (n.x & OP_MASK);
     let slot = (n.y + SLOT_LAYER_CURVE);
-    if ((op == OP_FRESNEL_LAYER) || (op == OP_SHEEN_LAYER)) {
+    if (((op == OP_FRESNEL_LAYER) || (op == OP_SHEEN_LAYER)) || (op == OP_MICROFLAKE_LAYER)) {
         return (slot + 1u);
     }
     if (op == OP_COLOR_FRESNEL_LAYER) {
@@ -1790,24 +1871,6 @@ fn node_coat_absorption(
 fn coat_transmittance(coefficient: f32, depth: f32, slant: f32) -> f32 {
     return math_exp(-min(((nonnegative(coefficient) * depth) * slant), OPAQUE));
 }
-fn sample_concentric_disc(u: vec2f) -> vec2f {
-    let a = ((2.0 * u.x) - 1.0);
-    let b = ((2.0 * u.y) - 1.0);
-    if ((a == 0.0) && (b == 0.0)) {
-        return vec2f(0.0, 0.0);
-    }
-    let wide = (abs(a) > abs(b));
-    let r = select(b, a, wide);
-    let ratio = (select(a, b, wide) / r);
-    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
-    let sc = math_sincos(angle);
-    return vec2f((r * sc.y), (r * sc.x));
-}
-
-fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
-    let d = sample_concentric_disc(u);
-    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
-}
 const FUJII_LOSS: f32 = 0.2877934;
 const FUJII_MEAN: f32 = 0.07248821;
 
@@ -1875,6 +1938,79 @@ fn diffuse_transmission_sample(u: vec2f) -> LobeSample {
         return lobe_absorb();
     }
     return LobeSample(vec3f(wi.x, wi.y, -wi.z), (EVENT_DIFFUSE | EVENT_TRANSMISSION));
+}
+const DUST_BACKWARD: f32 = 0.44444445;
+const DUST_RISE: f32 = 0.7222222;
+const DUST_FIRST_MEAN: f32 = 0.32550111;
+const DUST_SINGLE_MEAN: f32 = 0.30981506;
+
+struct Dust {
+    c: f32,
+    gamma: f32,
+    inverse_mean: f32
+}
+
+fn dust_new(k: f32) -> Dust {
+    let rest = (1.0 - unit(k));
+    let c = unit(((1.0 - math_pow(rest, 2.73556)) / (1.0 - (0.184096 * math_pow(rest, 2.48423)))));
+    let gamma = sqrt(((1.0 - c) / (1.0 + (DUST_BACKWARD * c))));
+    let low = (0.11270167 / (1.0 + (0.22540333 * gamma)));
+    let middle = (0.5 / (1.0 + gamma));
+    let high = (0.88729833 / (1.0 + (1.7745967 * gamma)));
+    let whole = (((1.0 - gamma) * ((10.0 * (low + high)) + (16.0 * middle))) * (1.0 / 18.0));
+    let mean = (whole - (c * (DUST_FIRST_MEAN + (c * (DUST_SINGLE_MEAN - DUST_FIRST_MEAN)))));
+    return Dust(c, gamma, select(0.0, (1.0 / mean), (mean > 1e-7)));
+}
+
+fn dust_single(mu: f32) -> f32 {
+    let m = max(mu, 1e-7);
+    let isotropic = (0.5 * (1.0 - (m * math_log((1.0 + (1.0 / m))))));
+    let fit = (0.999174 + (m * (0.571997 + (m * (0.769161 + (m * ((0.33139 * m) - 0.772553)))))));
+    return (isotropic * fit);
+}
+
+fn dust_multiple(dust: Dust, mu: f32, single: f32) -> f32 {
+    let first = (DUST_RISE / (1.0 + (2.0 * mu)));
+    let whole = ((1.0 - dust.gamma) / (1.0 + ((2.0 * dust.gamma) * mu)));
+    return max((whole - (dust.c * (first + (dust.c * (single - first))))), 0.0);
+}
+
+fn dust_phase(u: f32) -> f32 {
+    let c = clamp(u, -1.0, 1.0);
+    let s = sqrt(((1.0 - c) * (1.0 + c)));
+    return ((((2.0 / 3.0) * FRAC_1_PI) * FRAC_1_PI) * (s - (c * math_acos(c))));
+}
+
+fn dust_value(
+    dust: Dust,
+    once: f32,
+    zo: f32,
+    zi: f32,
+    so: f32,
+    si: f32,
+) -> f32 {
+    let multiple = ((dust_multiple(dust, zo, so) * dust_multiple(dust, zi, si)) * dust.inverse_mean);
+    return (((dust.c * once) + (multiple * FRAC_1_PI)) * zi);
+}
+
+fn dusty_diffuse_eval(k: vec3f, wo: vec3f, wi: vec3f) -> vec3f {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return splat3(0.0);
+    }
+    let once = (dust_phase(-dot(wo, wi)) / (wo.z + wi.z));
+    let so = dust_single(wo.z);
+    let si = dust_single(wi.z);
+    return vec3f(dust_value(dust_new(k.x), once, wo.z, wi.z, so, si), dust_value(dust_new(k.y), once, wo.z, wi.z, so, si), dust_value(dust_new(k.z), once, wo.z, wi.z, so, si));
+}
+
+fn dust_albedo(k: f32, mu: f32) -> f32 {
+    let dust = dust_new(k);
+    let single = dust_single(mu);
+    return unit(((dust.c * single) + select(0.0, dust_multiple(dust, mu, single), (dust.inverse_mean > 0.0))));
+}
+
+fn dusty_diffuse_albedo(k: vec3f, mu: f32) -> vec3f {
+    return vec3f(dust_albedo(k.x, mu), dust_albedo(k.y, mu), dust_albedo(k.z, mu));
 }
 struct BsdfValue {
     diffuse: vec3f,
@@ -2181,6 +2317,13 @@ fn leaf_eval(
         let v = diffuse_transmission_eval(o, i);
         result.diffuse = (tint * v.f);
         result.pdf = v.pdf;
+    } else if (op == OP_DUSTY_DIFFUSE) {
+        result.diffuse = dusty_diffuse_eval(tint, o, i);
+        result.pdf = select(0.0, (max(i.z, 0.0) * FRAC_1_PI), (o.z > 0.0));
+    } else if (op == OP_MICROFLAKE) {
+        let v = microflake_eval(microflake_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), o), o, i);
+        result.glossy = (tint * v.f);
+        result.pdf = v.pdf;
     } else if ((op == OP_GGX_SMITH) && ((n.x & (FLAG_COLOR | FLAG_FILM)) == 0u)) {
         let v = ggx_eval(node_ggx(n, p, point), o, i);
         result.glossy = (tint * v.f);
@@ -2211,10 +2354,12 @@ fn leaf_sample(
     if (o.z <= 0.0) {
         return s;
     }
-    if (op == OP_DIFFUSE_REFLECTION) {
+    if ((op == OP_DIFFUSE_REFLECTION) || (op == OP_DUSTY_DIFFUSE)) {
         s = diffuse_reflection_sample(u.xy);
     } else if (op == OP_DIFFUSE_TRANSMISSION) {
         s = diffuse_transmission_sample(u.xy);
+    } else if (op == OP_MICROFLAKE) {
+        s = microflake_sample(microflake_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), o), u.xy);
     } else if (op == OP_SPECULAR) {
         let thin = ((point.flags & POINT_THIN_WALLED) != 0u);
         let reflected = node_specular_reflectance(n, p, point, o.z);
@@ -2333,6 +2478,10 @@ fn leaf_albedo(
         }
     } else if (op == OP_DIFFUSE_TRANSMISSION) {
         result.diffuse = tint;
+    } else if (op == OP_DUSTY_DIFFUSE) {
+        result.diffuse = dusty_diffuse_albedo(tint, o.z);
+    } else if (op == OP_MICROFLAKE) {
+        result.glossy = (tint * microflake_albedo(param(p, (n.y + SLOT_GLOSSY_ALPHA)), unit(o.z)));
     } else if (op == OP_SPECULAR) {
         result.glossy = tint;
     } else {
@@ -2402,6 +2551,47 @@ fn bsdf_sample(
     }
     return result;
 }
+const SPREAD_MIN: f32 = 1e-3;
+const SPOT_MOST: f32 = 1e6;
+
+struct Spot {
+    exponent: f32,
+    depth: f32,
+    axis: vec3f
+}
+
+fn spot_new(exponent: f32, spread: f32, axis: vec3f) -> Spot {
+    let quarter = (0.25 * clamp(nonnegative(spread), SPREAD_MIN, PI));
+    let s = math_sin(quarter);
+    return Spot(min(nonnegative(exponent), SPOT_MOST), ((2.0 * s) * s), axis);
+}
+
+fn spot_eval(spot: Spot, w: vec3f) -> LobeValue {
+    let apart = (w - spot.axis);
+    let below = (0.5 * dot(apart, apart));
+    let t = (1.0 - (below / spot.depth));
+    if (t <= 0.0) {
+        return lobe_zero();
+    }
+    let k = spot.exponent;
+    let norm = (((((k + 1.0) * (k + 2.0)) * 0.5) * FRAC_1_PI) / (spot.depth * ((k + 2.0) - spot.depth)));
+    let f = (norm * math_pow(t, k));
+    return LobeValue(f, (f * max((1.0 - below), 0.0)));
+}
+
+fn spot_sample(spot: Spot, u: vec3f) -> vec3f {
+    let k = spot.exponent;
+    let plain = ((1.0 - spot.depth) / (k + 1.0));
+    let steeper = (spot.depth / (k + 2.0));
+    let power = select((k + 2.0), (k + 1.0), ((u.z * (plain + steeper)) < plain));
+    let half = ((0.5 * math_log(max((1.0 - u.y), 5.9604645e-8))) / power);
+    let below = (spot.depth * min(((-2.0 * math_exp(half)) * math_sinh(half)), 1.0));
+    let r = sqrt(max((below * (2.0 - below)), 0.0));
+    let turn = math_sincos(((2.0 * PI) * u.x));
+    let frame = frame_from_normal(spot.axis);
+    let w = frame_from_local(frame, vec3f((r * turn.y), (r * turn.x), (1.0 - below)));
+    return normalize_or(w, spot.axis);
+}
 struct EdfValue {
     value: vec3f,
     pdf: f32
@@ -2436,6 +2626,10 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
             if (op == OP_DIFFUSE_EDF) {
                 result.value += (visit.weight * FRAC_1_PI);
                 result.pdf += ((visit.prob * w.z) * FRAC_1_PI);
+            } else if (op == OP_SPOT_EDF) {
+                let v = spot_eval(node_spot(n, p), w);
+                result.value += (visit.weight * v.f);
+                result.pdf += (visit.prob * v.pdf);
             }
             running = (depth > 0u);
             if running {
@@ -2445,6 +2639,16 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
         }
     }
     return result;
+}
+
+fn node_spot(n: vec4u, p: ptr<function, Params>) -> Spot {
+    let up = vec3f(0.0, 0.0, 1.0);
+    let exponent = param(p, n.y);
+    let spread = param(p, (n.y + 1u));
+    if ((n.x & FLAG_VECTOR) == 0u) {
+        return spot_new(exponent, spread, up);
+    }
+    return spot_new(exponent, spread, normalize_or(param3(p, (n.y + SLOT_SPOT_AXIS)), up));
 }
 
 fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3f) -> LobeSample {
@@ -2463,10 +2667,14 @@ fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3
         }
         n = bsdf_node(program, node);
     }
-    let wi = sample_cosine_hemisphere(u.xy);
-    if (((n.x & OP_MASK) != OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
+    let op = (n.x & OP_MASK);
+    var wi: vec3f = sample_cosine_hemisphere(u.xy);
+    if (op == OP_SPOT_EDF) {
+        wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, uz));
+    }
+    if ((op < OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
         return lobe_absorb();
     }
-    return LobeSample(wi, EVENT_DIFFUSE);
+    return LobeSample(wi, select(EVENT_GLOSSY, EVENT_DIFFUSE, (op == OP_DIFFUSE_EDF)));
 }
 const LAYERED_BSDF_VERSION: u32 = 1u;

@@ -8,6 +8,7 @@ pub mod code {
     use crate::film::code::*;
     use crate::frame::code::*;
     use crate::fresnel::code::*;
+    use crate::lobes::microflake::code::*;
     use crate::lobes::multiscatter::code::*;
     use crate::math::code::*;
     use crate::nodes::code::*;
@@ -237,6 +238,9 @@ pub mod code {
         if op == OP_SHEEN_LAYER {
             return splat3(sheen_albedo(param(p, slot), c));
         }
+        if op == OP_MICROFLAKE_LAYER {
+            return splat3(microflake_albedo(param(p, slot), c));
+        }
         splat3(1.0)
     }
 
@@ -259,7 +263,7 @@ pub mod code {
         let slot = n.y + SLOT_LAYER_CURVE;
         let at_seen = weight * layer_value(n, p, point, seen);
         let at_lit = weight * layer_value(n, p, point, lit);
-        if op == OP_SHEEN_LAYER {
+        if op == OP_SHEEN_LAYER || op == OP_MICROFLAKE_LAYER {
             // All of the lobe, over what its albedo leaves.
             return LayerCurve { seen: at_seen, lit: at_lit, half: weight, front: splat3(0.0) };
         }
@@ -280,7 +284,7 @@ pub mod code {
     pub fn layer_normal_slot(n: Vec4u) -> u32 {
         let op = n.x & OP_MASK;
         let slot = n.y + SLOT_LAYER_CURVE;
-        if op == OP_FRESNEL_LAYER || op == OP_SHEEN_LAYER {
+        if op == OP_FRESNEL_LAYER || op == OP_SHEEN_LAYER || op == OP_MICROFLAKE_LAYER {
             return slot + 1;
         }
         if op == OP_COLOR_FRESNEL_LAYER {

@@ -44,6 +44,8 @@ fn operation(op: u32) -> Operation {
         OP_WARD => ("Ward", &GLOSSY, &GLOSSY_MORE),
         OP_BACKSCATTERING => ("backscattering glossy", &GLOSSY, &GLOSSY_MORE),
         OP_SHEEN => ("sheen", &GLOSSY, &[]),
+        OP_DUSTY_DIFFUSE => ("dusty diffuse reflection", &[("tint", 3)], &[]),
+        OP_MICROFLAKE => ("microflake sheen", &[("tint", 3), ("roughness", 1)], &[]),
         OP_TINT => ("tint", &[("tint", 3)], &[(FLAG_COLOR, "transmission tint")]),
         OP_SCALE => ("scale", &[("factor", 3)], &[]),
         OP_DIRECTIONAL_FACTOR => (
@@ -70,7 +72,11 @@ fn operation(op: u32) -> Operation {
             &[LAYER[0], LAYER[1], ("normal reflectivity", 3), ("grazing reflectivity", 3), ("exponent", 1)],
             &[(FLAG_COLOR, "f82 factor"), (FLAG_VECTOR, "normal")],
         ),
+        OP_MICROFLAKE_LAYER => {
+            ("layer of microflake sheen", &[LAYER[0], LAYER[1], ("roughness", 1)], &[(FLAG_VECTOR, "normal")])
+        }
         OP_DIFFUSE_EDF => ("diffuse emission", &[], &[]),
+        OP_SPOT_EDF => ("spot emission", &[("exponent", 1), ("spread", 1)], &[(FLAG_VECTOR, "axis")]),
         _ => ("unknown", &[], &[]),
     };
     Operation { name, parameters, optional }
@@ -107,7 +113,7 @@ fn describe(index: usize, word: u32, mut slot: u32, second: u32, count_or_mode: 
         slot += count;
     }
     let children = match op {
-        OP_DIFFUSE_EDF => vec![],
+        op if op >= OP_DIFFUSE_EDF => vec![],
         op if op >= OP_WEIGHTED_LAYER => vec![index + 1, second as usize],
         op if op >= OP_TINT => vec![index + 1],
         _ => vec![],

@@ -24,8 +24,10 @@ pub mod code {
     use crate::lobes::code::*;
     use crate::lobes::diffuse_reflection::code::*;
     use crate::lobes::diffuse_transmission::code::*;
+    use crate::lobes::dusty_diffuse::code::*;
     use crate::lobes::ggx::code::*;
     use crate::lobes::glossy::code::*;
+    use crate::lobes::microflake::code::*;
     use crate::lobes::multiscatter::code::*;
     use crate::lobes::specular::code::*;
     use crate::nodes::code::*;
@@ -422,6 +424,13 @@ pub mod code {
             let v = diffuse_transmission_eval(o, i);
             result.diffuse = tint * v.f;
             result.pdf = v.pdf;
+        } else if op == OP_DUSTY_DIFFUSE {
+            result.diffuse = dusty_diffuse_eval(tint, o, i);
+            result.pdf = select(0.0, max(i.z, 0.0) * FRAC_1_PI, o.z > 0.0);
+        } else if op == OP_MICROFLAKE {
+            let v = microflake_eval(microflake_new(param(p, n.y + SLOT_GLOSSY_ALPHA), o), o, i);
+            result.glossy = tint * v.f;
+            result.pdf = v.pdf;
         } else if op == OP_GGX_SMITH && (n.x & (FLAG_COLOR | FLAG_FILM)) == 0 {
             let v = ggx_eval(node_ggx(n, p, point), o, i);
             result.glossy = tint * v.f;
@@ -454,10 +463,12 @@ pub mod code {
         if o.z <= 0.0 {
             return s;
         }
-        if op == OP_DIFFUSE_REFLECTION {
+        if op == OP_DIFFUSE_REFLECTION || op == OP_DUSTY_DIFFUSE {
             s = diffuse_reflection_sample(u.xy());
         } else if op == OP_DIFFUSE_TRANSMISSION {
             s = diffuse_transmission_sample(u.xy());
+        } else if op == OP_MICROFLAKE {
+            s = microflake_sample(microflake_new(param(p, n.y + SLOT_GLOSSY_ALPHA), o), u.xy());
         } else if op == OP_SPECULAR {
             let thin = (point.flags & POINT_THIN_WALLED) != 0;
             let reflected = node_specular_reflectance(n, p, point, o.z);
@@ -613,6 +624,10 @@ pub mod code {
             }
         } else if op == OP_DIFFUSE_TRANSMISSION {
             result.diffuse = tint;
+        } else if op == OP_DUSTY_DIFFUSE {
+            result.diffuse = dusty_diffuse_albedo(tint, o.z);
+        } else if op == OP_MICROFLAKE {
+            result.glossy = tint * microflake_albedo(param(p, n.y + SLOT_GLOSSY_ALPHA), unit(o.z));
         } else if op == OP_SPECULAR {
             result.glossy = tint;
         } else {

@@ -48,4 +48,5 @@ pub mod nodes;
 pub mod prelude;
 pub mod program;
 pub mod sampling;
+pub mod spot;
 pub mod wgsl;

@@ -54,6 +54,10 @@ pub mod code {
     pub const OP_BACKSCATTERING: u32 = 10;
     /// Sheen: tint, roughness twice.
     pub const OP_SHEEN: u32 = 11;
+    /// Dusty diffuse reflection: tint.
+    pub const OP_DUSTY_DIFFUSE: u32 = 12;
+    /// Sheen of microflakes: tint, roughness.
+    pub const OP_MICROFLAKE: u32 = 13;
     /// Tint of one child: colour, [colour for transmission].
     pub const OP_TINT: u32 = 16;
     /// Uniform scale of one child, not limited to 1: factor as colour.
@@ -80,10 +84,14 @@ pub mod code {
     /// Layer by a measured curve: importances, weight, the colours of the curve, as many as the last word
     /// says, normal if flagged.
     pub const OP_MEASURED_LAYER: u32 = 37;
-    /// Diffuse emission; no parameters.
+    /// What the sheen of microflakes leaves to its base: importances, weight, roughness, normal if flagged.
+    pub const OP_MICROFLAKE_LAYER: u32 = 38;
+    /// Diffuse emission; no parameters. This and all above are emission.
     pub const OP_DIFFUSE_EDF: u32 = 64;
+    /// Emission into a cone: exponent, spread, axis if flagged.
+    pub const OP_SPOT_EDF: u32 = 65;
 
-    /// The lobe has a tangent; the layer has a normal.
+    /// The lobe has a tangent; the layer has a normal; the cone has an axis.
     pub const FLAG_VECTOR: u32 = 0x100;
     /// A colour for multiple scattering, for transmission, or at 82°.
     pub const FLAG_COLOR: u32 = 0x200;
@@ -120,6 +128,8 @@ pub mod code {
     pub const SLOT_COAT_ABSORPTION: u32 = 3;
     /// Slot of the thickness of a coat.
     pub const SLOT_COAT_THICKNESS: u32 = 6;
+    /// Slot of the axis of a cone of light.
+    pub const SLOT_SPOT_AXIS: u32 = 2;
     /// Slots of the importances of layer and base: what selection probabilities are weighted by.
     pub const SLOT_LAYER_IMPORTANCE: u32 = 0;
     /// Slot of the weight of a layer, a colour.

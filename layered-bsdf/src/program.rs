@@ -102,6 +102,18 @@ pub enum Tree<P> {
         /// 0 (light along the horizon) to 1.
         roughness: P,
     },
+    /// `df::dusty_diffuse_reflection_bsdf`
+    DustyDiffuse {
+        /// Reflected share.
+        tint: [P; 3],
+    },
+    /// The sheen of `df::microflake_sheen_bsdf`, which is this over a base by [`Curve::Microflake`].
+    MicroflakeSheen {
+        /// Reflected share.
+        tint: [P; 3],
+        /// 0 (light along the horizon) to 1.
+        roughness: P,
+    },
     /// `df::tint`
     Tint {
         /// Factor; of reflection alone if `transmission` is given.
@@ -184,6 +196,15 @@ pub enum Tree<P> {
     },
     /// `df::diffuse_edf`
     DiffuseEdf,
+    /// `df::spot_edf`
+    SpotEdf {
+        /// Exponent of the stretched cosine.
+        exponent: P,
+        /// Full angle of the cone, radians.
+        spread: P,
+        /// Axis in the local frame, any length; none if it is the normal.
+        axis: Option<[P; 3]>,
+    },
 }
 
 /// How the share of a layer depends on the angle; multiplied by the layer's weight.
@@ -203,6 +224,11 @@ pub enum Curve<P> {
     },
     /// What sheen leaves over: the layer has its full weight, the base what the albedo of sheen leaves.
     Sheen {
+        /// Roughness of the sheen.
+        roughness: P,
+    },
+    /// The same for the sheen of microflakes.
+    Microflake {
         /// Roughness of the sheen.
         roughness: P,
     },
@@ -321,7 +347,7 @@ impl LayerProgram {
         for index in (0..self.nodes.len()).rev() {
             importance[index] = self.node_importance(index, &importance, params, &varying);
             let n = self.nodes[index];
-            if n.x & OP_MASK < OP_WEIGHTED_LAYER || n.x & OP_MASK == OP_DIFFUSE_EDF {
+            if !(OP_WEIGHTED_LAYER..OP_DIFFUSE_EDF).contains(&(n.x & OP_MASK)) {
                 continue;
             }
             let (layer, base) = self.children(index);
@@ -358,7 +384,7 @@ impl LayerProgram {
         let op = n.x & OP_MASK;
         match op {
             OP_BLACK => 0.0,
-            OP_DIFFUSE_EDF => 1.0,
+            OP_DIFFUSE_EDF | OP_SPOT_EDF => 1.0,
             OP_DIFFUSE_REFLECTION if n.x & FLAG_COLOR != 0 => {
                 brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_DIFFUSE_MULTIPLE))
             }
@@ -380,7 +406,9 @@ impl LayerProgram {
             }
             OP_FRESNEL_FACTOR | OP_COAT_ABSORPTION => importance[index + 1],
             OP_TINT | OP_SCALE => brightest(n.y + SLOT_TINT) * importance[index + 1],
-            OP_DIFFUSE_REFLECTION | OP_DIFFUSE_TRANSMISSION => DIFFUSE_SHARE * brightest(n.y + SLOT_TINT),
+            OP_DIFFUSE_REFLECTION | OP_DIFFUSE_TRANSMISSION | OP_DUSTY_DIFFUSE => {
+                DIFFUSE_SHARE * brightest(n.y + SLOT_TINT)
+            }
             _ if op < OP_TINT => brightest(n.y + SLOT_TINT),
             _ => {
                 let (layer, base) = self.children(index);
@@ -439,6 +467,18 @@ impl<P: Copy> Layout<P> {
             Tree::Sheen { tint, roughness } => {
                 self.node(OP_SHEEN, crate::lobes::MODE_REFLECT)?;
                 self.values(&[tint, &[*roughness, *roughness]])
+            }
+            Tree::DustyDiffuse { tint } => {
+                self.node(OP_DUSTY_DIFFUSE, 0)?;
+                self.values(&[tint])
+            }
+            Tree::MicroflakeSheen { tint, roughness } => {
+                self.node(OP_MICROFLAKE, crate::lobes::MODE_REFLECT)?;
+                self.values(&[tint, &[*roughness]])
+            }
+            Tree::SpotEdf { exponent, spread, axis } => {
+                self.node(OP_SPOT_EDF | flag(axis, FLAG_VECTOR), 0)?;
+                self.values(&[&[*exponent, *spread], optional(axis)])
             }
             Tree::Layer { curve, weight, normal, layer, base } => {
                 self.layer(curve, weight, normal, [layer, base], film)
@@ -518,13 +558,14 @@ impl<P: Copy> Layout<P> {
         let (here, below) = match curve {
             Curve::Fresnel { .. } | Curve::ColorFresnel { .. } | Curve::Custom { .. } => (film, None),
             Curve::Constant | Curve::Measured { .. } => (None, film),
-            Curve::Sheen { .. } => (None, None),
+            Curve::Sheen { .. } | Curve::Microflake { .. } => (None, None),
         };
         let (op, count) = match curve {
             Curve::Constant => (OP_WEIGHTED_LAYER, 0),
             Curve::Fresnel { .. } if here.is_none() => (OP_FRESNEL_LAYER, 0),
             Curve::Fresnel { .. } | Curve::ColorFresnel { .. } => (OP_COLOR_FRESNEL_LAYER, 0),
             Curve::Sheen { .. } => (OP_SHEEN_LAYER, 0),
+            Curve::Microflake { .. } => (OP_MICROFLAKE_LAYER, 0),
             Curve::Measured { values } => (OP_MEASURED_LAYER, values.len() as u32),
             Curve::Custom { f82_factor, .. } => (OP_CUSTOM_CURVE_LAYER | flag(f82_factor, FLAG_COLOR), 0),
         };
@@ -536,7 +577,9 @@ impl<P: Copy> Layout<P> {
         match curve {
             Curve::Constant => 0,
             Curve::Fresnel { ior } if here.is_some() => self.values(&[&[*ior; 3]])?,
-            Curve::Fresnel { ior: one } | Curve::Sheen { roughness: one } => self.values(&[&[*one]])?,
+            Curve::Fresnel { ior: one }
+            | Curve::Sheen { roughness: one }
+            | Curve::Microflake { roughness: one } => self.values(&[&[*one]])?,
             Curve::ColorFresnel { ior } => self.values(&[ior])?,
             Curve::Measured { values } => self.values(&[values.as_flattened()])?,
             Curve::Custom { normal_reflectivity, grazing_reflectivity, f82_factor, exponent } => {

@@ -1,6 +1,7 @@
 //! The one list: every distribution function with parameters worth testing, and what it promises.
 
 use crate::math::direction;
+use crate::sphere::Bins;
 use layered_bsdf::prelude::*;
 
 /// A tree in a situation.
@@ -33,6 +34,14 @@ impl Case {
     pub fn setup(&self) -> Setup {
         let (program, params) = LayerProgram::with_values(&self.tree).expect("the list holds small trees");
         Setup { program: program.to_program(), params, point: self.point }
+    }
+
+    /// Bins that are narrow where the lobes seen from `wo` may have peaks.
+    pub fn bins(&self, wo: Vec3f) -> Bins {
+        let thin = self.point.flags & POINT_THIN_WALLED != 0;
+        let eta = if thin { 1.0 } else { f64::from(self.point.ior_far.x / self.point.ior_near.x) };
+        let sends_back = matches!(self.tree, Tree::Glossy { model: GlossyModel::Backscattering, .. });
+        Bins::new(if sends_back { vec3f(-wo.x, -wo.y, wo.z) } else { wo }, eta)
     }
 }
 
@@ -88,6 +97,8 @@ enum Kind {
     GgxSmith,
     Glossy,
     Sheen,
+    DustyDiffuse,
+    MicroflakeSheen,
     Tint,
     Scale,
     DirectionalFactor,
@@ -96,10 +107,10 @@ enum Kind {
     CoatAbsorption,
     ThinFilm,
     Layer,
-    DiffuseEdf,
+    Emission,
 }
 
-const KINDS: [Kind; 16] = [
+const KINDS: [Kind; 18] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
@@ -107,6 +118,8 @@ const KINDS: [Kind; 16] = [
     Kind::GgxSmith,
     Kind::Glossy,
     Kind::Sheen,
+    Kind::DustyDiffuse,
+    Kind::MicroflakeSheen,
     Kind::Tint,
     Kind::Scale,
     Kind::DirectionalFactor,
@@ -115,7 +128,7 @@ const KINDS: [Kind; 16] = [
     Kind::CoatAbsorption,
     Kind::ThinFilm,
     Kind::Layer,
-    Kind::DiffuseEdf,
+    Kind::Emission,
 ];
 
 fn kind_of(tree: &Tree<f32>) -> Kind {
@@ -127,6 +140,8 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::GgxSmith { .. } => Kind::GgxSmith,
         Tree::Glossy { .. } => Kind::Glossy,
         Tree::Sheen { .. } => Kind::Sheen,
+        Tree::DustyDiffuse { .. } => Kind::DustyDiffuse,
+        Tree::MicroflakeSheen { .. } => Kind::MicroflakeSheen,
         Tree::Tint { .. } => Kind::Tint,
         Tree::Scale { .. } => Kind::Scale,
         Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
@@ -135,8 +150,8 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::CoatAbsorption { .. } => Kind::CoatAbsorption,
         Tree::ThinFilm { .. } => Kind::ThinFilm,
         Tree::Layer { .. } => Kind::Layer,
-        // Has tests of its own: it is no BSDF.
-        Tree::DiffuseEdf => Kind::DiffuseEdf,
+        // These have tests of their own: they are no BSDFs.
+        Tree::DiffuseEdf | Tree::SpotEdf { .. } => Kind::Emission,
     }
 }
 
@@ -145,7 +160,7 @@ fn every_kind_of_node_is_a_case() {
     let list = cases();
     for kind in KINDS {
         let found = list.iter().any(|case| kind_of(&case.tree) == kind);
-        assert!(found || kind == Kind::DiffuseEdf, "{kind:?} has no case");
+        assert!(found || kind == Kind::Emission, "{kind:?} has no case");
     }
 }
 
@@ -201,6 +216,23 @@ impl Kind {
                     add(list, &format!("sheen {roughness}"), lobe.clone(), point(1.0, 1.5, 0), false);
                     let over = layer(Curve::Sheen { roughness }, 1.0, None, lobe, diffuse(0.0));
                     add(list, &format!("sheen {roughness} over diffuse"), over, point(1.0, 1.5, 0), false);
+                }
+            }
+            Kind::DustyDiffuse => {
+                let dust = |tint| Tree::DustyDiffuse { tint };
+                add(list, "dusty diffuse, white", dust(WHITE), point(1.0, 1.0, 0), true);
+                add(list, "dusty diffuse", dust([0.8, 0.3, 0.02]), point(1.0, 1.0, 0), false);
+            }
+            Kind::MicroflakeSheen => {
+                for roughness in [1.0, 0.4, 0.1] {
+                    let lobe = Tree::MicroflakeSheen { tint: WHITE, roughness };
+                    let base = Tree::DustyDiffuse { tint: WHITE };
+                    let over = layer(Curve::Microflake { roughness }, 1.0, None, lobe.clone(), base);
+                    let air = point(1.0, 1.5, 0);
+                    for (name, tree) in [("alone", lobe), ("over dust", over)] {
+                        add(list, &format!("microflake sheen {roughness} {name}"), tree, air, false);
+                        list.last_mut().expect("just added").reciprocal = false;
+                    }
                 }
             }
             Kind::Tint => {
@@ -271,7 +303,7 @@ impl Kind {
             }
             Kind::ThinFilm => film_cases(list),
             Kind::Layer => layer_cases(list),
-            Kind::DiffuseEdf => {}
+            Kind::Emission => {}
         }
     }
 }
@@ -405,9 +437,10 @@ pub fn glossy(model: GlossyModel, roughness: (f32, f32), mode: ScatterMode) -> T
 fn glossy_cases(list: &mut Vec<Case>, model: GlossyModel) {
     let transmits = !matches!(model, GlossyModel::Ward | GlossyModel::Backscattering);
     let air = point(1.0, 1.5, 0);
-    // The bins of the tests resolve narrow peaks around the mirrored direction only.
-    let narrow = if model == GlossyModel::Backscattering { 0.1 } else { 0.01 };
-    for alpha in [1.0, 0.2, narrow] {
+    for alpha in [1.0, 0.2, 0.01, 1e-3] {
+        if alpha < 0.01 && model != GlossyModel::Backscattering {
+            continue;
+        }
         let tree = glossy(model, (alpha, alpha), ScatterMode::Reflect);
         add(list, &format!("{model:?} reflect {alpha}"), tree, air, false);
     }

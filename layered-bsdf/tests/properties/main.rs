@@ -8,6 +8,7 @@ mod albedo;
 mod cases;
 mod chi_square;
 mod corners;
+mod emission;
 mod energy;
 mod film;
 mod limits;

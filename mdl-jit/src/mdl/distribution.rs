@@ -13,7 +13,7 @@
 
 use super::error::LowerError;
 use super::extend::GrowingGraph;
-use super::needs::TO_LOCAL;
+use super::needs::{OBJECT_SPACE, TO_LOCAL, WORLD_SPACE};
 use layered_bsdf::prelude::{Curve, GlossyModel, MAX_PARAMS, ProgramError, ScatterMode, Tree};
 use mdl_frontend::graph::{BinaryOp, NodeId, NodeKind, Op, Stage};
 use mdl_frontend::types::{Type, TypeId};
@@ -136,8 +136,16 @@ impl<S: Structure> Distributions<'_, S> {
                 &[u, v, tint, multiple, tangent, _],
             ) => self.glossy(glossy_model(name), [u, v, tint, multiple, tangent], ScatterMode::Reflect),
             ("sheen_bsdf", &[roughness, tint, multiple, base, _]) => {
-                self.sheen(roughness, tint, multiple, base, depth)?
+                let (roughness, tint) = (self.float(roughness), self.color(tint));
+                let lobe = Tree::Sheen { tint, roughness };
+                self.sheen(lobe, Curve::Sheen { roughness }, multiple, base, depth)?
             }
+            ("microflake_sheen_bsdf", &[roughness, tint, multiple, base, _]) => {
+                let (roughness, tint) = (self.float(roughness), self.color(tint));
+                let lobe = Tree::MicroflakeSheen { tint, roughness };
+                self.sheen(lobe, Curve::Microflake { roughness }, multiple, base, depth)?
+            }
+            ("dusty_diffuse_reflection_bsdf", &[tint, _]) => Tree::DustyDiffuse { tint: self.color(tint) },
             ("tint", &[tint, base]) => self.tinted(tint, None, base, depth)?,
             ("tint", &[reflection, transmission, base]) => {
                 self.tinted(reflection, Some(transmission), base, depth)?
@@ -219,6 +227,9 @@ impl<S: Structure> Distributions<'_, S> {
                 self.mix(Mix::Unbounded, components, depth)?
             }
             ("diffuse_edf", _) if ty == TypeId::EDF => Tree::DiffuseEdf,
+            ("spot_edf", &[exponent, spread, global, frame, _]) => {
+                self.spot([exponent, spread, global, frame])?
+            }
             (function, _) => return Err(LowerError::Distribution(format!("`df::{function}`"))),
         })
     }
@@ -242,22 +253,36 @@ impl<S: Structure> Distributions<'_, S> {
     /// Sheen over what scatters below it.
     fn sheen(
         &mut self,
-        roughness: NodeId,
-        tint: NodeId,
+        lobe: Tree<Param>,
+        curve: Curve<Param>,
         multiple: NodeId,
         base: NodeId,
         depth: usize,
     ) -> Result<Tree<Param>, LowerError> {
-        let roughness = self.float(roughness);
-        let lobe = Tree::Sheen { tint: self.color(tint), roughness };
         let Some(multiple) = self.color_unless(multiple, 0.0) else { return Ok(lobe) };
         Ok(match self.nested(base, depth)? {
             Tree::Black => lobe,
             base => {
                 let base = Tree::Tint { tint: multiple, transmission: None, base: Box::new(base) };
-                layered(Curve::Sheen { roughness }, [Param::Const(1.0); 3], None, lobe, base)
+                layered(curve, [Param::Const(1.0); 3], None, lobe, base)
             }
         })
+    }
+
+    /// A cone of light: around the normal, or around the z axis of a frame in object space.
+    fn spot(&mut self, [exponent, spread, global, frame]: [NodeId; 4]) -> Result<Tree<Param>, LowerError> {
+        let (exponent, spread) = (self.float(exponent), self.float(spread));
+        let mut axis = None;
+        if self.structure.integer(self.graph, global)? != 0 {
+            let column = self.graph.member(frame, 2, TypeId::FLOAT3);
+            let spaces = [OBJECT_SPACE, WORLD_SPACE].map(Value::Int);
+            let [from, to] = spaces.map(|space| self.graph.constant(space, TypeId::INT));
+            let args = vec![from, to, column];
+            let name = "::state::transform_vector";
+            let world = self.graph.builtin(name, args, TypeId::FLOAT3, Stage::Varying);
+            axis = Some(self.local(world));
+        }
+        Ok(Tree::SpotEdf { exponent, spread, axis })
     }
 
     fn tinted(
