@@ -2394,7 +2394,7 @@ fn bsdf_albedo(program: ptr<function, Program>, p: ptr<function, Params>, point:
         let op = (n.x & OP_MASK);
         let splits = ((op == OP_TINT) && ((n.x & FLAG_COLOR) != 0u));
         let factor = ((op >= OP_DIRECTIONAL_FACTOR) && (op != OP_WEIGHTED_LAYER));
-        angular = ((angular || factor) || splits);
+        angular = (((angular || factor) || splits) || ((n.x & FLAG_FILM) != 0u));
     }
     if angular {
         return bsdf_albedo_sampled(program, p, point, wo);

@@ -500,7 +500,8 @@ pub mod code {
 
     /// The share of energy that a tree scatters into all directions, seen from `wo`. Exact within the
     /// bounds that the lobes state, but for trees with angular curves or a tint per side: there it is the
-    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05 (0.1 below sheen).
+    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05 (0.12 below sheen and
+    /// films).
     pub fn bsdf_albedo(
         program: ptr!(function, Program),
         p: ptr!(function, Params),
@@ -515,7 +516,7 @@ pub mod code {
             let op = n.x & OP_MASK;
             let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
             let factor = op >= OP_DIRECTIONAL_FACTOR && op != OP_WEIGHTED_LAYER;
-            angular = angular || factor || splits;
+            angular = angular || factor || splits || (n.x & FLAG_FILM) != 0;
         }
         if angular {
             return bsdf_albedo_sampled(program, p, point, wo);

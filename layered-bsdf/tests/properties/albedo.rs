@@ -17,6 +17,7 @@ fn bound(tree: &Tree<f32>) -> f64 {
         // A quadrature and fits from below.
         Tree::Glossy { .. } | Tree::Sheen { .. } => 0.07,
         Tree::Layer { curve: Curve::Sheen { .. } | Curve::Microflake { .. }, .. } => 0.1,
+        Tree::ThinFilm { .. } => 0.12,
         // A fit.
         Tree::DustyDiffuse { .. } => 1e-3,
         Tree::Layer { .. }
@@ -24,7 +25,6 @@ fn bound(tree: &Tree<f32>) -> f64 {
         | Tree::FresnelFactor { .. }
         | Tree::MeasuredFactor { .. }
         | Tree::CoatAbsorption { .. }
-        | Tree::ThinFilm { .. }
         | Tree::Tint { .. } => 0.05,
         _ => 2e-4,
     }

@@ -13,10 +13,13 @@ fn spot(exponent: f32, spread: f32) -> Tree<f32> {
     Tree::SpotEdf { exponent, spread, axis: None }
 }
 
+/// The spread of a cone that fills the half space, radians.
+const HALF_SPACE: f32 = std::f32::consts::PI;
+
 const SPOTS: [(f32, f32); 8] = [
-    (0.0, 3.1415927),
-    (1.0, 3.1415927),
-    (100.0, 3.1415927),
+    (0.0, HALF_SPACE),
+    (1.0, HALF_SPACE),
+    (100.0, HALF_SPACE),
     (0.0, 1.0),
     (2.5, 0.3),
     (1e4, 2.0),

@@ -206,8 +206,8 @@ fn metals_have_the_reflectance_of_wave_optics() {
     for (cos, expected) in
         [(1.0, [0.9381, 0.8464, 0.3915]), (0.5, [0.9334, 0.8424, 0.4218]), (0.1, [0.9654, 0.9277, 0.7242])]
     {
-        for c in 0..3 {
-            assert!((fresnel_complex(cos, GOLD.0[c], GOLD.1[c]) - expected[c]).abs() < 2e-4);
+        for ((n, k), expected) in GOLD.0.into_iter().zip(GOLD.1).zip(expected) {
+            assert!((fresnel_complex(cos, n, k) - expected).abs() < 2e-4, "{n} + {k}i at {cos}");
         }
     }
 }
