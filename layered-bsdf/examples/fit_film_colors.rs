@@ -7,6 +7,8 @@
 //! that of the rational function with poles ζ_k. The weights make the largest difference over L ≥ 0 small:
 //! least squares with weights that grow where the difference is large (C. Lawson, 1961), under Σ w_k = 1.
 
+#![allow(clippy::needless_range_loop, reason = "the indices are those of matrices")]
+
 use layered_bsdf::film::{FILM_FIRST, FILM_STEP, FILM_WIDTH};
 use std::f64::consts::TAU;
 
