@@ -64,7 +64,7 @@ pub mod code {
     pub const OP_SCALE: u32 = 17;
     /// Tint by direction: colour at normal incidence, at grazing incidence, exponent, [colour at 82°].
     pub const OP_DIRECTIONAL_FACTOR: u32 = 18;
-    /// Reflectance of a medium: index of refraction (three), extinction (three), [film].
+    /// Reflectance of a medium: index of refraction (three), extinction (three), film if flagged.
     pub const OP_FRESNEL_FACTOR: u32 = 19;
     /// Tint by a measured curve: its colours, as many as the last word says.
     pub const OP_MEASURED_FACTOR: u32 = 20;
