@@ -82,11 +82,41 @@ fn trees() -> Vec<(&'static str, Tree<f32>)> {
         mode: ScatterMode::ReflectTransmit,
         tangent: Some([0.6, 0.8, 0.1]),
     });
+    let film = |base| Tree::ThinFilm { thickness: 420.0, ior: [1.3, 1.5, 1.9], base: Box::new(base) };
+    let metal = Tree::FresnelFactor {
+        ior: [0.2, 0.4, 1.5],
+        extinction: [3.1, 2.7, 1.9],
+        base: Box::new(ggx(0.4, ScatterMode::Reflect)),
+    };
+    let curve = vec![[0.1, 0.9, 0.5], [0.7, 0.2, 0.5], [1.0, 0.6, 0.9]];
+    let measured = Tree::CoatAbsorption {
+        ior: [1.5, 1.6, 1.7],
+        coefficient: [0.3, 0.6, 1.2],
+        thickness: 0.5,
+        base: Box::new(Tree::MeasuredFactor { curve: curve.clone(), base: Box::new(diffuse(0.4)) }),
+    };
+    let rough_glass = film(ggx(0.3, ScatterMode::ReflectTransmit));
+    let films = layer(
+        Curve::Measured { values: curve },
+        film(metal),
+        layer(
+            custom.clone(),
+            film(layer(Curve::Fresnel { ior: 1.5 }, rough_glass, measured, None)),
+            Tree::Black,
+            None,
+        ),
+        Some([0.1, 0.1, 0.9]),
+    );
     let sheen = Tree::Sheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
     let velvet = layer(Curve::Sheen { roughness: 0.4 }, sheen, diffuse(0.3), None);
+    let flakes = Tree::MicroflakeSheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
+    let dust = Tree::DustyDiffuse { tint: [0.9, 0.5, 0.1] };
+    let dusty = layer(Curve::Microflake { roughness: 0.4 }, flakes, dust, None);
     let mix = lobes.into_iter().fold(velvet, |mix, lobe| layer(Curve::Constant, lobe, mix, None));
     vec![
         ("every glossy lobe", mix),
+        ("films and factors", films),
+        ("dusty microflakes", dusty),
         ("diffuse", diffuse(0.0)),
         ("rough diffuse", diffuse(0.7)),
         ("glossy", glossy),

@@ -535,6 +535,163 @@ fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
     let product = (oi - min(((2.0 * no) * ni), 0.0));
     return sqrt(unit((0.5 + (0.5 * product))));
 }
+const FILM_FIRST: f32 = 1.53215;
+const FILM_STEP: f32 = 0.10255;
+const FILM_WIDTH: f32 = 0.10137;
+const FILM_LONGEST: f32 = 1e3;
+const FILM_THINNEST: f32 = 1e-6;
+
+struct Film {
+    thickness: f32,
+    ior: vec3f
+}
+
+struct FilmSide {
+    r: vec2f,
+    t: f32
+}
+
+fn complex_mul(a: vec2f, b: vec2f) -> vec2f {
+    return vec2f(((a.x * b.x) - (a.y * b.y)), ((a.x * b.y) + (a.y * b.x)));
+}
+
+fn complex_div(a: vec2f, b: vec2f) -> vec2f {
+    let inverse = (1.0 / max(dot(b, b), 1e-30));
+    return vec2f((((a.x * b.x) + (a.y * b.y)) * inverse), (((a.y * b.x) - (a.x * b.y)) * inverse));
+}
+
+fn sane_ior(ior: f32, fallback: f32) -> f32 {
+    return select(fallback, clamp(ior, 1e-3, 1e3), (ior > 0.0));
+}
+
+fn film_wave(n: f32, k: f32, n1: f32, c: f32) -> vec2f {
+    let w1 = (n1 * c);
+    let re = ((((n - n1) * (n + n1)) + (w1 * w1)) - (k * k));
+    let im = (n * k);
+    let root = sqrt((0.5 * (sqrt(((re * re) + ((4.0 * im) * im))) + abs(re))));
+    let other = select(0.0, (im / root), (root > 0.0));
+    return vec2f(select(other, root, (re >= 0.0)), select(root, other, (re >= 0.0)));
+}
+
+fn fresnel_complex(c: f32, n: f32, k: f32) -> f32 {
+    if (k <= 0.0) {
+        return fresnel_dielectric(c, n);
+    }
+    let w = film_wave(n, k, 1.0, c);
+    let s2 = ((1.0 - c) * (1.0 + c));
+    let near = (c - w.x);
+    let far = (c + w.x);
+    let rs = (((near * near) + (w.y * w.y)) / ((far * far) + (w.y * w.y)));
+    let cv = (c * w.y);
+    let less = ((c * w.x) - s2);
+    let more = ((c * w.x) + s2);
+    let ratio = (((less * less) + (cv * cv)) / max(((more * more) + (cv * cv)), 1e-30));
+    return unit(((0.5 * rs) * (1.0 + ratio)));
+}
+
+fn film_fringe(q: vec2f, z: vec2f, re: vec3f, im: vec3f) -> vec3f {
+    let x = complex_mul(q, z);
+    let g = complex_div((x * 2.0), vec2f((1.0 + x.x), x.y));
+    return ((re * g.x) - (im * g.y));
+}
+
+fn film_fringes(q: vec2f, z: vec2f, step: vec2f) -> vec3f {
+    let z1 = complex_mul(z, step);
+    let z2 = complex_mul(z1, step);
+    let z3 = complex_mul(z2, step);
+    let z4 = complex_mul(z3, step);
+    let z5 = complex_mul(z4, step);
+    let z6 = complex_mul(z5, step);
+    let z7 = complex_mul(z6, step);
+    let z8 = complex_mul(z7, step);
+    let z9 = complex_mul(z8, step);
+    return (((((((((film_fringe(q, z, vec3f(-0.368173, 0.059456, -0.006477), vec3f(0.491939, -0.083598, 0.004682)) + film_fringe(q, z1, vec3f(1.808573, -0.361625, -0.014957), vec3f(0.276871, 0.163977, -0.047033))) + film_fringe(q, z2, vec3f(0.135000, 0.515271, -0.052282), vec3f(-0.781187, 0.454635, -0.062597))) + film_fringe(q, z3, vec3f(-0.220073, 0.469988, -0.027583), vec3f(-0.219700, 0.001364, 0.022400))) + film_fringe(q, z4, vec3f(-0.419125, 0.374233, -0.048044), vec3f(0.234705, -0.528901, 0.149401))) + film_fringe(q, z5, vec3f(-0.067614, 0.103057, -0.035667), vec3f(-0.053512, -0.003730, 0.061418))) + film_fringe(q, z6, vec3f(0.037568, -0.068846, 0.747110), vec3f(0.072834, -0.056635, 0.336914))) + film_fringe(q, z7, vec3f(0.055015, -0.047835, 0.257886), vec3f(0.030116, -0.019390, 0.151089))) + film_fringe(q, z8, vec3f(0.041462, -0.040667, 0.153883), vec3f(-0.065011, 0.085519, -0.662458))) + film_fringe(q, z9, vec3f(-0.002633, -0.003032, 0.026131), vec3f(0.012945, -0.013241, 0.046184)));
+}
+
+fn film_side(a: vec2f, b: vec2f, flow: f32) -> FilmSide {
+    let sum = (a + b);
+    return FilmSide(complex_div((a - b), sum), unit(((4.0 * flow) / max(dot(sum, sum), 1e-30))));
+}
+
+fn film_polarised(first: FilmSide, second: FilmSide, z: vec2f, step: vec2f) -> vec3f {
+    let rest = ((first.t + second.t) - (first.t * second.t));
+    if !(rest > 1e-12) {
+        return splat3(1.0);
+    }
+    let a = (first.r.x * first.r.x);
+    let b = dot(second.r, second.r);
+    let mean = (((a * second.t) + (b * first.t)) / rest);
+    let swing = ((first.t * second.t) / rest);
+    return (splat3(mean) + (film_fringes((second.r * first.r.x), z, step) * swing));
+}
+
+fn film_tunnel(r12: vec2f, r23: vec2f, z: f32) -> f32 {
+    let q = (complex_mul(r12, r23) * z);
+    let above = (r12 + (r23 * z));
+    let below = vec2f((1.0 + q.x), q.y);
+    return min((dot(above, above) / max(dot(below, below), 1e-30)), 1.0);
+}
+
+fn film_channels(
+    d: f32,
+    n1: f32,
+    n2: f32,
+    n: f32,
+    k: f32,
+    c: f32,
+) -> vec3f {
+    let w1 = vec2f((n1 * c), 0.0);
+    let w3 = film_wave(n, k, n1, c);
+    let w2 = film_wave(n2, 0.0, n1, c);
+    let e1 = (n1 * n1);
+    let e2 = (n2 * n2);
+    let e3 = vec2f(((n - k) * (n + k)), ((2.0 * n) * k));
+    let s2 = ((e1 * (1.0 - c)) * (1.0 + c));
+    let flow3 = (w3.x * (dot(w3, w3) + s2));
+    let s12 = film_side(w1, w2, (w1.x * w2.x));
+    let s23 = film_side(w2, w3, (w2.x * w3.x));
+    let p12 = film_side((w1 * e2), (w2 * e1), (((w1.x * w2.x) * e1) * e2));
+    let p23 = film_side(complex_mul(e3, w2), (w3 * e2), ((w2.x * e2) * flow3));
+    if (w2.x > 0.0) {
+        let path = min(((2e-3 * d) * w2.x), FILM_LONGEST);
+        let turn = math_sincos((((2.0 * PI) * FILM_FIRST) * path));
+        let next = math_sincos((((2.0 * PI) * FILM_STEP) * path));
+        let fade = math_exp((((-2.0 * PI) * FILM_WIDTH) * path));
+        let z = vec2f((fade * turn.y), (fade * turn.x));
+        let step = vec2f(next.y, next.x);
+        return ((film_polarised(s12, s23, z, step) + film_polarised(p12, p23, z, step)) * 0.5);
+    }
+    let path = min(((2e-3 * d) * w2.y), FILM_LONGEST);
+    let red = math_exp((((-2.0 * PI) * 1.6217) * path));
+    let green = math_exp((((-2.0 * PI) * 1.8649) * path));
+    let blue = math_exp((((-2.0 * PI) * 2.2565) * path));
+    let at_red = (film_tunnel(s12.r, s23.r, red) + film_tunnel(p12.r, p23.r, red));
+    let at_green = (film_tunnel(s12.r, s23.r, green) + film_tunnel(p12.r, p23.r, green));
+    let at_blue = (film_tunnel(s12.r, s23.r, blue) + film_tunnel(p12.r, p23.r, blue));
+    return (((vec3f(0.627607, 0.007800, -0.031718) * at_red) + (vec3f(-0.138104, 0.525818, 0.028389) * at_green)) + (vec3f(0.010497, -0.033618, 0.503329) * at_blue));
+}
+
+fn film_reflectance(
+    film: Film,
+    near: vec3f,
+    n: vec3f,
+    k: vec3f,
+    c: f32,
+) -> vec3f {
+    if !(film.thickness > FILM_THINNEST) {
+        return vec3f(fresnel_complex(c, (n.x / near.x), (k.x / near.x)), fresnel_complex(c, (n.y / near.y), (k.y / near.y)), fresnel_complex(c, (n.z / near.z), (k.z / near.z)));
+    }
+    let d = min(film.thickness, 1e9);
+    let n2 = vec3f(sane_ior(film.ior.x, near.x), sane_ior(film.ior.y, near.y), sane_ior(film.ior.z, near.z));
+    let red = film_channels(d, near.x, n2.x, n.x, k.x, c);
+    let flat = ((((near.x == near.y) && (near.y == near.z)) && (n2.x == n2.y)) && (n2.y == n2.z));
+    if ((((flat && (n.x == n.y)) && (n.y == n.z)) && (k.x == k.y)) && (k.y == k.z)) {
+        return red;
+    }
+    let green = film_channels(d, near.y, n2.y, n.y, k.y, c);
+    let blue = film_channels(d, near.z, n2.z, n.z, k.z, c);
+    return vec3f(red.x, green.y, blue.z);
+}
 const EVENT_ABSORB: u32 = 0u;
 const EVENT_DIFFUSE: u32 = 1u;
 const EVENT_GLOSSY: u32 = 2u;
@@ -562,6 +719,79 @@ fn lobe_absorb() -> LobeSample {
 fn lobe_zero() -> LobeValue {
     return LobeValue(0.0, 0.0);
 }
+fn sample_concentric_disc(u: vec2f) -> vec2f {
+    let a = ((2.0 * u.x) - 1.0);
+    let b = ((2.0 * u.y) - 1.0);
+    if ((a == 0.0) && (b == 0.0)) {
+        return vec2f(0.0, 0.0);
+    }
+    let wide = (abs(a) > abs(b));
+    let r = select(b, a, wide);
+    let ratio = (select(a, b, wide) / r);
+    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
+    let sc = math_sincos(angle);
+    return vec2f((r * sc.y), (r * sc.x));
+}
+
+fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
+    let d = sample_concentric_disc(u);
+    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
+}
+const MICROFLAKE_MIN: f32 = 0.01;
+const FRAC_1_SQRT_TWO_PI: f32 = 0.39894228;
+
+struct Microflake {
+    axis: vec2f,
+    a: f32,
+    b: f32,
+    albedo: f32
+}
+
+fn sane_sheen(roughness: f32) -> f32 {
+    return select(MICROFLAKE_MIN, min(roughness, 1.0), (roughness > MICROFLAKE_MIN));
+}
+
+fn microflake_albedo(roughness: f32, mu: f32) -> f32 {
+    let y = sane_sheen(roughness);
+    let s = ((y * (0.0206607 + (1.58491 * y))) / (0.0379424 + (y * (1.32227 + y))));
+    let m = ((y * (-0.193854 + (y * (-1.14885 + (y * (1.7932 - ((0.95943 * y) * y))))))) / (0.046391 + y));
+    let o = ((y * (0.000654023 + (y * (-0.0207818 + (0.119681 * y))))) / (1.26264 + (y * (-1.92021 + y))));
+    let t = ((mu - m) / s);
+    return unit((((math_exp(((-0.5 * t) * t)) * FRAC_1_SQRT_TWO_PI) / s) + o));
+}
+
+fn microflake_new(roughness: f32, wo: vec3f) -> Microflake {
+    let y = sane_sheen(roughness);
+    let x = unit(wo.z);
+    let flat = normalize_or(vec3f(wo.x, wo.y, 0.0), vec3f(1.0, 0.0, 0.0));
+    let b = (((((y - 1.0) * y) * y) * y) / (((0.0000254053 + (1.71228 * x)) - ((1.71506 * x) * y)) + ((1.34174 * y) * y)));
+    return Microflake(flat.xy, ((((2.58126 * x) + (0.813703 * y)) * y) / ((1.0 + ((0.310327 * x) * x)) + ((2.60994 * x) * y))), (sqrt((1.0 - x)) * b), microflake_albedo(y, x));
+}
+
+fn microflake_eval(lobe: Microflake, wo: vec3f, wi: vec3f) -> LobeValue {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return lobe_zero();
+    }
+    let along = ((lobe.axis.x * wi.x) + (lobe.axis.y * wi.y));
+    let across = ((lobe.axis.x * wi.y) - (lobe.axis.y * wi.x));
+    let x = ((lobe.a * along) + (lobe.b * wi.z));
+    let y = (lobe.a * across);
+    let scale = (lobe.a / (((x * x) + (y * y)) + (wi.z * wi.z)));
+    let pdf = ((wi.z * FRAC_1_PI) * (scale * scale));
+    return LobeValue((lobe.albedo * pdf), pdf);
+}
+
+fn microflake_sample(lobe: Microflake, u: vec2f) -> LobeSample {
+    let w = sample_cosine_hemisphere(u);
+    let along = (w.x - (lobe.b * w.z));
+    let x = ((lobe.axis.x * along) - (lobe.axis.y * w.y));
+    let y = ((lobe.axis.y * along) + (lobe.axis.x * w.y));
+    let wi = normalize_or(vec3f(x, y, (lobe.a * w.z)), vec3f(0.0, 0.0, 0.0));
+    if (wi.z <= 0.0) {
+        return lobe_absorb();
+    }
+    return LobeSample(wi, (EVENT_GLOSSY | EVENT_REFLECTION));
+}
 fn specular_reflectance(mode: u32, c: f32, eta: f32) -> f32 {
     if (mode == MODE_REFLECT) {
         return 1.0;
@@ -580,7 +810,7 @@ fn refract_at(wo: vec3f, wm: vec3f, c: f32, eta: f32) -> vec3f {
 }
 
 fn specular_sample(
-    mode: u32,
+    reflected: f32,
     thin_walled: bool,
     eta: f32,
     wo: vec3f,
@@ -589,9 +819,7 @@ fn specular_sample(
     if (wo.z <= 0.0) {
         return lobe_absorb();
     }
-    let thin_transmission = (thin_walled && (mode == MODE_TRANSMIT));
-    let r = select(specular_reflectance(mode, wo.z, eta), 0.0, thin_transmission);
-    if (u < r) {
+    if (u < reflected) {
         return LobeSample(vec3f(-wo.x, -wo.y, wo.z), (EVENT_SPECULAR | EVENT_REFLECTION));
     }
     let straight = vec3f(-wo.x, -wo.y, -wo.z);
@@ -605,7 +833,8 @@ struct Ggx {
     alpha: vec2f,
     mode: u32,
     thin_walled: bool,
-    eta: f32
+    eta: f32,
+    reflected: f32
 }
 
 fn sane_alpha(alpha: f32) -> f32 {
@@ -619,7 +848,8 @@ fn ggx_new(
     thin_walled: bool,
     eta: f32,
 ) -> Ggx {
-    return Ggx(vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)), mode, thin_walled, sane_eta(eta));
+    let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
+    return Ggx(alpha, mode, thin_walled, sane_eta(eta), -1.0);
 }
 
 fn ggx_stretch(alpha: vec2f, w: vec3f) -> f32 {
@@ -674,10 +904,22 @@ fn ggx_eval(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
 }
 
 fn ggx_reflectance(lobe: Ggx, c: f32) -> f32 {
+    if (lobe.reflected >= 0.0) {
+        return lobe.reflected;
+    }
     if (lobe.thin_walled && (lobe.mode == MODE_TRANSMIT)) {
         return 0.0;
     }
     return specular_reflectance(lobe.mode, c, lobe.eta);
+}
+
+fn ggx_facet_cosine(lobe: Ggx, wo: vec3f, wi: vec3f) -> f32 {
+    if ((wi.z < 0.0) && !lobe.thin_walled) {
+        let h = (wo + (wi * lobe.eta));
+        return min((abs(dot(wo, h)) / sqrt(max(dot(h, h), 1e-30))), 1.0);
+    }
+    let h = (wo + vec3f(wi.x, wi.y, abs(wi.z)));
+    return min((0.5 * sqrt(dot(h, h))), 1.0);
 }
 
 fn ggx_eval_refraction(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
@@ -871,18 +1113,27 @@ const OP_SIMPLE_GLOSSY: u32 = 8u;
 const OP_WARD: u32 = 9u;
 const OP_BACKSCATTERING: u32 = 10u;
 const OP_SHEEN: u32 = 11u;
+const OP_DUSTY_DIFFUSE: u32 = 12u;
+const OP_MICROFLAKE: u32 = 13u;
 const OP_TINT: u32 = 16u;
 const OP_SCALE: u32 = 17u;
 const OP_DIRECTIONAL_FACTOR: u32 = 18u;
+const OP_FRESNEL_FACTOR: u32 = 19u;
+const OP_MEASURED_FACTOR: u32 = 20u;
+const OP_COAT_ABSORPTION: u32 = 21u;
 const OP_WEIGHTED_LAYER: u32 = 32u;
 const OP_FRESNEL_LAYER: u32 = 33u;
 const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
 const OP_CUSTOM_CURVE_LAYER: u32 = 35u;
 const OP_SHEEN_LAYER: u32 = 36u;
+const OP_MEASURED_LAYER: u32 = 37u;
+const OP_MICROFLAKE_LAYER: u32 = 38u;
 const OP_DIFFUSE_EDF: u32 = 64u;
+const OP_SPOT_EDF: u32 = 65u;
 const FLAG_VECTOR: u32 = 256u;
 const FLAG_COLOR: u32 = 512u;
 const FLAG_BASE_FIRST: u32 = 1024u;
+const FLAG_FILM: u32 = 2048u;
 const SLOT_TINT: u32 = 0u;
 const SLOT_DIFFUSE_ROUGHNESS: u32 = 3u;
 const SLOT_DIFFUSE_MULTIPLE: u32 = 4u;
@@ -892,8 +1143,12 @@ const SLOT_GLOSSY_MULTIPLE: u32 = 5u;
 const SLOT_GLOSSY_MULTIPLE_TURNED: u32 = 8u;
 const SLOT_TINT_TRANSMISSION: u32 = 3u;
 const SLOT_FACTOR_GRAZING: u32 = 3u;
+const SLOT_FACTOR_EXTINCTION: u32 = 3u;
 const SLOT_FACTOR_EXPONENT: u32 = 6u;
 const SLOT_FACTOR_F82: u32 = 7u;
+const SLOT_COAT_ABSORPTION: u32 = 3u;
+const SLOT_COAT_THICKNESS: u32 = 6u;
+const SLOT_SPOT_AXIS: u32 = 2u;
 const SLOT_LAYER_IMPORTANCE: u32 = 0u;
 const SLOT_LAYER_WEIGHT: u32 = 2u;
 const SLOT_LAYER_CURVE: u32 = 5u;
@@ -1078,6 +1333,10 @@ struct FacetSample {
 }
 
 fn glossy_sample_facet(lobe: Glossy, wo: vec3f, u: vec2f, uc: f32) -> FacetSample {
+    if (lobe.op == OP_GGX_SMITH) {
+        let bound = ggx_cap_bound(lobe.ggx, wo);
+        return FacetSample(ggx_sample_normal(lobe.ggx.alpha, wo, bound, u), uc);
+    }
     if (lobe.op == OP_BECKMANN_SMITH) {
         return FacetSample(beckmann_sample_normal(lobe.ggx.alpha, wo, u), uc);
     }
@@ -1334,6 +1593,88 @@ fn f82_curve(
     return unit3((plain - ((at_82 * (splat3(1.0) - unit3(f82))) * bump)));
 }
 
+fn node_film(n: vec4u, p: ptr<function, Params>) -> Film {
+    let slot = film_slot(n);
+    return Film(param(p, slot), param3(p, (slot + 1u)));
+}
+
+fn film_slot(n: vec4u) -> u32 {
+    let op = (n.x & OP_MASK);
+    let vector = select(0u, 3u, ((n.x & FLAG_VECTOR) != 0u));
+    let color = select(0u, 3u, ((n.x & FLAG_COLOR) != 0u));
+    if (op >= OP_WEIGHTED_LAYER) {
+        return (layer_normal_slot(n) + vector);
+    }
+    if (op == OP_FRESNEL_FACTOR) {
+        return (n.y + 6u);
+    }
+    if (op == OP_DIRECTIONAL_FACTOR) {
+        return ((n.y + SLOT_FACTOR_F82) + color);
+    }
+    if (op == OP_SPECULAR) {
+        return (n.y + 3u);
+    }
+    return (((n.y + SLOT_GLOSSY_TANGENT) + vector) + color);
+}
+
+fn coating_film(film: Film, ior: vec3f, point: ShadingPoint, c: f32) -> vec3f {
+    let inside = ((point.flags & POINT_INSIDE) != 0u);
+    let coat = vec3f(sane_ior(ior.x, point.ior_near.x), sane_ior(ior.y, point.ior_near.y), sane_ior(ior.z, point.ior_near.z));
+    let near = select(point.ior_near, coat, inside);
+    let far = select(coat, point.ior_far, inside);
+    return unit3(film_reflectance(film, near, far, splat3(0.0), c));
+}
+
+fn mirror_index(r: f32) -> vec2f {
+    let root = sqrt(min(r, 0.2));
+    let dielectric = ((1.0 + root) / (1.0 - root));
+    if (r <= 0.2) {
+        return vec2f(dielectric, 0.0);
+    }
+    let most = min(r, 0.999);
+    let n = (dielectric + ((1.0 - dielectric) * unit(((most - 0.2) / 0.3))));
+    let k2 = (((((n + 1.0) * (n + 1.0)) * most) - ((n - 1.0) * (n - 1.0))) / (1.0 - most));
+    return vec2f(n, sqrt(max(k2, 0.0)));
+}
+
+fn filmed_curve(
+    film: Film,
+    plain: vec3f,
+    front: vec3f,
+    near: vec3f,
+    c: f32,
+) -> vec3f {
+    let x = mirror_index(front.x);
+    let y = mirror_index(front.y);
+    let z = mirror_index(front.z);
+    let n = (vec3f(x.x, y.x, z.x) * near);
+    let k = (vec3f(x.y, y.y, z.y) * near);
+    let bare = film_reflectance(Film(0.0, film.ior), near, n, k, c);
+    return unit3(((plain + film_reflectance(film, near, n, k, c)) - bare));
+}
+
+fn measured_curve(p: ptr<function, Params>, slot: u32, count: u32, c: f32) -> vec3f {
+    if (count == 0u) {
+        return splat3(0.0);
+    }
+    let x = ((math_acos(unit(c)) * (2.0 * FRAC_1_PI)) * f32((count - 1u)));
+    let first = min(u32(x), (count - 1u));
+    let second = min((first + 1u), (count - 1u));
+    let t = (x - f32(first));
+    return ((unit3(param3(p, (slot + (3u * first)))) * (1.0 - t)) + (unit3(param3(p, (slot + (3u * second)))) * t));
+}
+
+fn measured_most(p: ptr<function, Params>, slot: u32, count: u32, c: f32) -> vec3f {
+    var most: vec3f = measured_curve(p, slot, count, c);
+    let x = ((math_acos(unit(c)) * (2.0 * FRAC_1_PI)) * f32((max(count, 1u) - 1u)));
+    for (var i = 0u; i < count; i++) {
+        if (f32(i) <= x) {
+            most = max(most, unit3(param3(p, (slot + (3u * i)))));
+        }
+    }
+    return most;
+}
+
 struct LayerCurve {
     seen: vec3f,
     lit: vec3f,
@@ -1349,7 +1690,21 @@ fn color_fresnel(c: f32, eta: vec3f) -> vec3f {
     return vec3f(fresnel_dielectric(c, eta.x), fresnel_dielectric(c, eta.y), fresnel_dielectric(c, eta.z));
 }
 
-fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
+fn node_schlick(
+    n: vec4u,
+    p: ptr<function, Params>,
+    near: vec3f,
+    slot: u32,
+    c: f32,
+) -> vec3f {
+    let plain = node_schlick_bare(n, p, slot, c);
+    if ((n.x & FLAG_FILM) != 0u) {
+        return filmed_curve(node_film(n, p), plain, unit3(param3(p, slot)), near, c);
+    }
+    return plain;
+}
+
+fn node_schlick_bare(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f {
     let normal = param3(p, slot);
     let grazing = param3(p, (slot + 3u));
     let exponent = param(p, (slot + 6u));
@@ -1359,24 +1714,35 @@ fn node_schlick(n: vec4u, p: ptr<function, Params>, slot: u32, c: f32) -> vec3f 
     return schlick_curve(normal, grazing, exponent, c);
 }
 
-fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+fn layer_value(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
     let op = (n.x & OP_MASK);
-    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
     let slot = (n.y + SLOT_LAYER_CURVE);
     if (op == OP_FRESNEL_LAYER) {
-        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
-        return (weight * fresnel_dielectric(c, eta));
+        return splat3(fresnel_dielectric(c, coating_eta(param(p, slot), point.near, point.far, point.flags)));
     }
     if (op == OP_COLOR_FRESNEL_LAYER) {
-        return (weight * color_fresnel(c, color_coating_eta(param3(p, slot), point)));
+        if ((n.x & FLAG_FILM) != 0u) {
+            return coating_film(node_film(n, p), param3(p, slot), point, c);
+        }
+        return color_fresnel(c, color_coating_eta(param3(p, slot), point));
     }
     if (op == OP_CUSTOM_CURVE_LAYER) {
-        return (weight * node_schlick(n, p, slot, c));
+        return node_schlick(n, p, point.ior_near, slot, c);
+    }
+    if (op == OP_MEASURED_LAYER) {
+        return measured_curve(p, slot, n.w, c);
     }
     if (op == OP_SHEEN_LAYER) {
-        return (weight * sheen_albedo(param(p, slot), c));
+        return splat3(sheen_albedo(param(p, slot), c));
     }
-    return weight;
+    if (op == OP_MICROFLAKE_LAYER) {
+        return splat3(microflake_albedo(param(p, slot), c));
+    }
+    return splat3(1.0);
+}
+
+fn layer_seen(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    return (unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT))) * layer_value(n, p, point, c));
 }
 
 fn layer_curve(
@@ -1390,52 +1756,124 @@ fn layer_curve(
     let op = (n.x & OP_MASK);
     let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
     let slot = (n.y + SLOT_LAYER_CURVE);
-    if (op == OP_FRESNEL_LAYER) {
-        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
-        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+    let at_seen = (weight * layer_value(n, p, point, seen));
+    let at_lit = (weight * layer_value(n, p, point, lit));
+    if ((op == OP_SHEEN_LAYER) || (op == OP_MICROFLAKE_LAYER)) {
+        return LayerCurve(at_seen, at_lit, weight, splat3(0.0));
     }
-    if (op == OP_COLOR_FRESNEL_LAYER) {
-        let eta = color_coating_eta(param3(p, slot), point);
-        return LayerCurve((weight * color_fresnel(seen, eta)), (weight * color_fresnel(lit, eta)), (weight * color_fresnel(half, eta)), splat3(0.0));
+    let at_half = (weight * layer_value(n, p, point, half));
+    var front: vec3f = splat3(0.0);
+    if ((n.x & FLAG_FILM) != 0u) {
+        front = max(at_half, (weight * layer_value(n, p, point, 1.0)));
+    } else if (op == OP_CUSTOM_CURVE_LAYER) {
+        front = (weight * unit3(param3(p, slot)));
+    } else if (op == OP_MEASURED_LAYER) {
+        front = (weight * measured_most(p, slot, n.w, min(seen, lit)));
     }
-    if (op == OP_SHEEN_LAYER) {
-        let roughness = param(p, slot);
-        return LayerCurve((weight * sheen_albedo(roughness, seen)), (weight * sheen_albedo(roughness, lit)), weight, splat3(0.0));
-    }
-    return LayerCurve((weight * node_schlick(n, p, slot, seen)), (weight * node_schlick(n, p, slot, lit)), (weight * node_schlick(n, p, slot, half)), (weight * unit3(param3(p, slot))));
+    return LayerCurve(at_seen, at_lit, at_half, front);
 }
 
 fn layer_normal_slot(n: vec4u) -> u32 {
     let op = (n.x & OP_MASK);
     let slot = (n.y + SLOT_LAYER_CURVE);
-    if ((op == OP_FRESNEL_LAYER) || (op == OP_SHEEN_LAYER)) {
+    if (((op == OP_FRESNEL_LAYER) || (op == OP_SHEEN_LAYER)) || (op == OP_MICROFLAKE_LAYER)) {
         return (slot + 1u);
     }
     if (op == OP_COLOR_FRESNEL_LAYER) {
         return (slot + 3u);
+    }
+    if (op == OP_MEASURED_LAYER) {
+        return (slot + (3u * n.w));
     }
     if (op == OP_CUSTOM_CURVE_LAYER) {
         return (slot + select(7u, 10u, ((n.x & FLAG_COLOR) != 0u)));
     }
     return slot;
 }
-fn sample_concentric_disc(u: vec2f) -> vec2f {
-    let a = ((2.0 * u.x) - 1.0);
-    let b = ((2.0 * u.y) - 1.0);
-    if ((a == 0.0) && (b == 0.0)) {
-        return vec2f(0.0, 0.0);
+const NO_SLOT: u32 = 4294967295u;
+const OPAQUE: f32 = 80.0;
+
+fn normal_at(p: ptr<function, Params>, slot: u32) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    if (slot == NO_SLOT) {
+        return up;
     }
-    let wide = (abs(a) > abs(b));
-    let r = select(b, a, wide);
-    let ratio = (select(a, b, wide) / r);
-    let angle = select(((0.5 * PI) - ((0.25 * PI) * ratio)), ((0.25 * PI) * ratio), wide);
-    let sc = math_sincos(angle);
-    return vec2f((r * sc.y), (r * sc.x));
+    let own = normalize_or(param3(p, slot), up);
+    return (own * select(-1.0, 1.0, (own.z >= 0.0)));
 }
 
-fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
-    let d = sample_concentric_disc(u);
-    return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
+fn modifier_factor(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+    transmits: bool,
+) -> vec3f {
+    let op = (n.x & OP_MASK);
+    if (op == OP_TINT) {
+        let second = (transmits && ((n.x & FLAG_COLOR) != 0u));
+        return unit3(param3(p, (n.y + select(SLOT_TINT, SLOT_TINT_TRANSMISSION, second))));
+    }
+    if (op == OP_SCALE) {
+        let s = param3(p, (n.y + SLOT_TINT));
+        return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
+    }
+    let z = normal_at(p, normal);
+    let no = dot(z, wo);
+    let ni = dot(z, wi);
+    if (op == OP_COAT_ABSORPTION) {
+        return node_coat_absorption(n, p, point, unit(abs(no)), unit(abs(ni)), transmits);
+    }
+    let c = half_cosine(no, ni, dot(wo, wi));
+    if (op == OP_MEASURED_FACTOR) {
+        return measured_curve(p, n.y, n.w, c);
+    }
+    if (op == OP_FRESNEL_FACTOR) {
+        return node_fresnel_factor(n, p, point, c);
+    }
+    return node_schlick(n, p, point.ior_near, (n.y + SLOT_TINT), c);
+}
+
+fn node_fresnel_factor(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    let near = select(point.ior_near, point.ior_far, ((point.flags & POINT_INSIDE) != 0u));
+    let ior = param3(p, n.y);
+    let k = param3(p, (n.y + SLOT_FACTOR_EXTINCTION));
+    let real = vec3f(sane_ior(ior.x, near.x), sane_ior(ior.y, near.y), sane_ior(ior.z, near.z));
+    let imaginary = vec3f(sane_ior(k.x, 0.0), sane_ior(k.y, 0.0), sane_ior(k.z, 0.0));
+    if ((n.x & FLAG_FILM) != 0u) {
+        return unit3(film_reflectance(node_film(n, p), near, real, imaginary, c));
+    }
+    return film_reflectance(Film(0.0, near), near, real, imaginary, c);
+}
+
+fn coat_path(ior: f32, side: f32, c: f32) -> f32 {
+    let ratio = (side / ior);
+    return (1.0 / sqrt(max((1.0 - (((1.0 - c) * (1.0 + c)) * (ratio * ratio))), 1e-12)));
+}
+
+fn node_coat_absorption(
+    n: vec4u,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    co: f32,
+    ci: f32,
+    transmits: bool,
+) -> vec3f {
+    let ior = param3(p, n.y);
+    let coefficient = param3(p, (n.y + SLOT_COAT_ABSORPTION));
+    let depth = (nonnegative(param(p, (n.y + SLOT_COAT_THICKNESS))) * select(1.0, 0.5, transmits));
+    let near = point.ior_near;
+    let far = select(point.ior_near, point.ior_far, transmits);
+    let rx = sane_ior(ior.x, near.x);
+    let ry = sane_ior(ior.y, near.y);
+    let rz = sane_ior(ior.z, near.z);
+    return vec3f(coat_transmittance(coefficient.x, depth, (coat_path(rx, near.x, co) + coat_path(rx, far.x, ci))), coat_transmittance(coefficient.y, depth, (coat_path(ry, near.y, co) + coat_path(ry, far.y, ci))), coat_transmittance(coefficient.z, depth, (coat_path(rz, near.z, co) + coat_path(rz, far.z, ci))));
+}
+
+fn coat_transmittance(coefficient: f32, depth: f32, slant: f32) -> f32 {
+    return math_exp(-min(((nonnegative(coefficient) * depth) * slant), OPAQUE));
 }
 const FUJII_LOSS: f32 = 0.2877934;
 const FUJII_MEAN: f32 = 0.07248821;
@@ -1505,6 +1943,79 @@ fn diffuse_transmission_sample(u: vec2f) -> LobeSample {
     }
     return LobeSample(vec3f(wi.x, wi.y, -wi.z), (EVENT_DIFFUSE | EVENT_TRANSMISSION));
 }
+const DUST_BACKWARD: f32 = 0.44444445;
+const DUST_RISE: f32 = 0.7222222;
+const DUST_FIRST_MEAN: f32 = 0.32550111;
+const DUST_SINGLE_MEAN: f32 = 0.30981506;
+
+struct Dust {
+    c: f32,
+    gamma: f32,
+    inverse_mean: f32
+}
+
+fn dust_new(k: f32) -> Dust {
+    let rest = (1.0 - unit(k));
+    let c = unit(((1.0 - math_pow(rest, 2.73556)) / (1.0 - (0.184096 * math_pow(rest, 2.48423)))));
+    let gamma = sqrt(((1.0 - c) / (1.0 + (DUST_BACKWARD * c))));
+    let low = (0.11270167 / (1.0 + (0.22540333 * gamma)));
+    let middle = (0.5 / (1.0 + gamma));
+    let high = (0.88729833 / (1.0 + (1.7745967 * gamma)));
+    let whole = (((1.0 - gamma) * ((10.0 * (low + high)) + (16.0 * middle))) * (1.0 / 18.0));
+    let mean = (whole - (c * (DUST_FIRST_MEAN + (c * (DUST_SINGLE_MEAN - DUST_FIRST_MEAN)))));
+    return Dust(c, gamma, select(0.0, (1.0 / mean), (mean > 1e-7)));
+}
+
+fn dust_single(mu: f32) -> f32 {
+    let m = max(mu, 1e-7);
+    let isotropic = (0.5 * (1.0 - (m * math_log((1.0 + (1.0 / m))))));
+    let fit = (0.999174 + (m * (0.571997 + (m * (0.769161 + (m * ((0.33139 * m) - 0.772553)))))));
+    return (isotropic * fit);
+}
+
+fn dust_multiple(dust: Dust, mu: f32, single: f32) -> f32 {
+    let first = (DUST_RISE / (1.0 + (2.0 * mu)));
+    let whole = ((1.0 - dust.gamma) / (1.0 + ((2.0 * dust.gamma) * mu)));
+    return max((whole - (dust.c * (first + (dust.c * (single - first))))), 0.0);
+}
+
+fn dust_phase(u: f32) -> f32 {
+    let c = clamp(u, -1.0, 1.0);
+    let s = sqrt(((1.0 - c) * (1.0 + c)));
+    return ((((2.0 / 3.0) * FRAC_1_PI) * FRAC_1_PI) * (s - (c * math_acos(c))));
+}
+
+fn dust_value(
+    dust: Dust,
+    once: f32,
+    zo: f32,
+    zi: f32,
+    so: f32,
+    si: f32,
+) -> f32 {
+    let multiple = ((dust_multiple(dust, zo, so) * dust_multiple(dust, zi, si)) * dust.inverse_mean);
+    return (((dust.c * once) + (multiple * FRAC_1_PI)) * zi);
+}
+
+fn dusty_diffuse_eval(k: vec3f, wo: vec3f, wi: vec3f) -> vec3f {
+    if ((wo.z <= 0.0) || (wi.z <= 0.0)) {
+        return splat3(0.0);
+    }
+    let once = (dust_phase(-dot(wo, wi)) / (wo.z + wi.z));
+    let so = dust_single(wo.z);
+    let si = dust_single(wi.z);
+    return vec3f(dust_value(dust_new(k.x), once, wo.z, wi.z, so, si), dust_value(dust_new(k.y), once, wo.z, wi.z, so, si), dust_value(dust_new(k.z), once, wo.z, wi.z, so, si));
+}
+
+fn dust_albedo(k: f32, mu: f32) -> f32 {
+    let dust = dust_new(k);
+    let single = dust_single(mu);
+    return unit(((dust.c * single) + select(0.0, dust_multiple(dust, mu, single), (dust.inverse_mean > 0.0))));
+}
+
+fn dusty_diffuse_albedo(k: vec3f, mu: f32) -> vec3f {
+    return vec3f(dust_albedo(k.x, mu), dust_albedo(k.y, mu), dust_albedo(k.z, mu));
+}
 struct BsdfValue {
     diffuse: vec3f,
     glossy: vec3f,
@@ -1537,7 +2048,6 @@ struct LayerSplit {
     prob: f32
 }
 const NO_NODE: u32 = 4294967295u;
-const NO_SLOT: u32 = 4294967295u;
 const LAYER_FLOOR: f32 = 0.04;
 
 fn layer_child(n: vec4u, index: u32) -> u32 {
@@ -1571,15 +2081,6 @@ fn layer_normal(n: vec4u, inherited: u32) -> u32 {
         return inherited;
     }
     return layer_normal_slot(n);
-}
-
-fn normal_at(p: ptr<function, Params>, slot: u32) -> vec3f {
-    let up = vec3f(0.0, 0.0, 1.0);
-    if (slot == NO_SLOT) {
-        return up;
-    }
-    let own = normalize_or(param3(p, slot), up);
-    return (own * select(-1.0, 1.0, (own.z >= 0.0)));
 }
 
 fn layer_probability(n: vec4u, p: ptr<function, Params>, curve: vec3f) -> f32 {
@@ -1616,37 +2117,21 @@ fn layer_split(
     let most = max(max(curve.seen, curve.lit), curve.front);
     return LayerSplit(curve.half, (splat3(1.0) - most), prob);
 }
-
-fn modifier_factor(
-    n: vec4u,
-    p: ptr<function, Params>,
-    normal: u32,
-    wo: vec3f,
-    wi: vec3f,
-    transmits: bool,
-) -> vec3f {
-    let op = (n.x & OP_MASK);
-    if (op == OP_TINT) {
-        let second = (transmits && ((n.x & FLAG_COLOR) != 0u));
-        return unit3(param3(p, (n.y + select(SLOT_TINT, SLOT_TINT_TRANSMISSION, second))));
-    }
-    if (op == OP_SCALE) {
-        let s = param3(p, (n.y + SLOT_TINT));
-        return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
-    }
-    let z = normal_at(p, normal);
-    let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
-    let at_normal = param3(p, (n.y + SLOT_TINT));
-    let at_grazing = param3(p, (n.y + SLOT_FACTOR_GRAZING));
-    let exponent = param(p, (n.y + SLOT_FACTOR_EXPONENT));
-    if ((n.x & FLAG_COLOR) != 0u) {
-        return f82_curve(at_normal, at_grazing, param3(p, (n.y + SLOT_FACTOR_F82)), exponent, c);
-    }
-    return schlick_curve(at_normal, at_grazing, exponent, c);
-}
+const FILM_ETA: f32 = 1e-3;
 
 fn node_ggx(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Ggx {
-    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), point.eta);
+    let matched = (((n.x & FLAG_FILM) != 0u) && (abs((point.eta - 1.0)) < FILM_ETA));
+    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), select(point.eta, (1.0 + FILM_ETA), matched));
+}
+
+fn node_film_reflectance(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    return unit3(film_reflectance(node_film(n, p), splat3(point.near), splat3(point.far), splat3(0.0), c));
+}
+
+fn film_tone(film: vec3f, reflects: bool) -> vec3f {
+    let tone = select((splat3(1.0) - film), film, reflects);
+    let mean = mean3(tone);
+    return select(splat3(1.0), (tone * (1.0 / max(mean, 1e-30))), (mean > 0.0));
 }
 
 fn node_glossy(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Glossy {
@@ -1666,8 +2151,13 @@ fn node_glossy_eval(
     i: vec3f,
 ) -> BsdfValue {
     let zero = splat3(0.0);
-    let tint = unit3(param3(p, (n.y + SLOT_TINT)));
-    let lobe = node_glossy(n, p, point);
+    var tint: vec3f = unit3(param3(p, (n.y + SLOT_TINT)));
+    var lobe: Glossy = node_glossy(n, p, point);
+    if ((n.x & FLAG_FILM) != 0u) {
+        let film = node_film_reflectance(n, p, point, ggx_facet_cosine(lobe.ggx, o, i));
+        lobe.ggx.reflected = mean3(film);
+        tint *= film_tone(film, (i.z > 0.0));
+    }
     let v = glossy_eval(lobe, o, i);
     if (((n.x & FLAG_COLOR) == 0u) || (o.z <= 0.0)) {
         return BsdfValue(zero, (tint * v.f), v.pdf, zero);
@@ -1687,7 +2177,7 @@ fn node_glossy_sample(
     o: vec3f,
     u: vec3f,
 ) -> LobeSample {
-    let lobe = node_glossy(n, p, point);
+    var lobe: Glossy = node_glossy(n, p, point);
     var uz: f32 = u.z;
     if ((n.x & FLAG_COLOR) != 0u) {
         let m = multiscatter_new(lobe, o);
@@ -1701,7 +2191,22 @@ fn node_glossy_sample(
             return LobeSample(vec3f(wi.x, wi.y, select(-wi.z, wi.z, up)), select(EVENT_ABSORB, (EVENT_GLOSSY | side), (wi.z > 0.0)));
         }
     }
+    if ((n.x & FLAG_FILM) != 0u) {
+        let facet = glossy_sample_facet(lobe, o, u.xy, uz);
+        let c = clamp(dot(o, facet.m), 0.0, 1.0);
+        lobe.ggx.reflected = mean3(node_film_reflectance(n, p, point, c));
+    }
     return glossy_sample(lobe, o, u.xy, uz);
+}
+
+fn node_specular_reflectance(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
+    if ((n.x & FLAG_FILM) != 0u) {
+        return node_film_reflectance(n, p, point, c);
+    }
+    if (((point.flags & POINT_THIN_WALLED) != 0u) && (n.w == MODE_TRANSMIT)) {
+        return splat3(0.0);
+    }
+    return splat3(specular_reflectance(n.w, c, point.eta));
 }
 
 fn node_glossy_albedo(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, o: vec3f) -> vec3f {
@@ -1758,7 +2263,7 @@ fn bsdf_visit(
             visit = visit_now(n, layer, base);
             depth += 1u;
         } else if (op >= OP_TINT) {
-            visit.weight *= modifier_factor(n, p, visit.normal, wo, wi, transmits);
+            visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, transmits);
             visit.node += 1u;
         } else {
             if (visit.node == specular_node) {
@@ -1816,7 +2321,14 @@ fn leaf_eval(
         let v = diffuse_transmission_eval(o, i);
         result.diffuse = (tint * v.f);
         result.pdf = v.pdf;
-    } else if ((op == OP_GGX_SMITH) && ((n.x & FLAG_COLOR) == 0u)) {
+    } else if (op == OP_DUSTY_DIFFUSE) {
+        result.diffuse = dusty_diffuse_eval(tint, o, i);
+        result.pdf = select(0.0, (max(i.z, 0.0) * FRAC_1_PI), (o.z > 0.0));
+    } else if (op == OP_MICROFLAKE) {
+        let v = microflake_eval(microflake_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), o), o, i);
+        result.glossy = (tint * v.f);
+        result.pdf = v.pdf;
+    } else if ((op == OP_GGX_SMITH) && ((n.x & (FLAG_COLOR | FLAG_FILM)) == 0u)) {
         let v = ggx_eval(node_ggx(n, p, point), o, i);
         result.glossy = (tint * v.f);
         result.pdf = v.pdf;
@@ -1846,14 +2358,17 @@ fn leaf_sample(
     if (o.z <= 0.0) {
         return s;
     }
-    if (op == OP_DIFFUSE_REFLECTION) {
+    if ((op == OP_DIFFUSE_REFLECTION) || (op == OP_DUSTY_DIFFUSE)) {
         s = diffuse_reflection_sample(u.xy);
     } else if (op == OP_DIFFUSE_TRANSMISSION) {
         s = diffuse_transmission_sample(u.xy);
+    } else if (op == OP_MICROFLAKE) {
+        s = microflake_sample(microflake_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), o), u.xy);
     } else if (op == OP_SPECULAR) {
         let thin = ((point.flags & POINT_THIN_WALLED) != 0u);
-        s = specular_sample(n.w, thin, point.eta, o, u.z);
-    } else if ((op == OP_GGX_SMITH) && ((n.x & FLAG_COLOR) == 0u)) {
+        let reflected = node_specular_reflectance(n, p, point, o.z);
+        s = specular_sample(mean3(reflected), thin, point.eta, o, u.z);
+    } else if ((op == OP_GGX_SMITH) && ((n.x & (FLAG_COLOR | FLAG_FILM)) == 0u)) {
         s = ggx_sample(node_ggx(n, p, point), o, u.xy, u.z);
     } else if (op >= OP_GGX_SMITH) {
         s = node_glossy_sample(n, p, point, o, u);
@@ -1882,7 +2397,8 @@ fn bsdf_albedo(program: ptr<function, Program>, p: ptr<function, Params>, point:
         let n = bsdf_node(program, i);
         let op = (n.x & OP_MASK);
         let splits = ((op == OP_TINT) && ((n.x & FLAG_COLOR) != 0u));
-        angular = (((angular || (op > OP_WEIGHTED_LAYER)) || (op == OP_DIRECTIONAL_FACTOR)) || splits);
+        let factor = ((op >= OP_DIRECTIONAL_FACTOR) && (op != OP_WEIGHTED_LAYER));
+        angular = (((angular || factor) || splits) || ((n.x & FLAG_FILM) != 0u));
     }
     if angular {
         return bsdf_albedo_sampled(program, p, point, wo);
@@ -1926,7 +2442,7 @@ fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>,
             visit = visit_now(n, layer, base);
             depth += 1u;
         } else if (op >= OP_TINT) {
-            visit.weight *= modifier_factor(n, p, visit.normal, wo, wo, false);
+            visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
             visit.node += 1u;
         } else {
             let leaf = leaf_albedo(n, p, point, visit.normal, wo);
@@ -1966,6 +2482,10 @@ fn leaf_albedo(
         }
     } else if (op == OP_DIFFUSE_TRANSMISSION) {
         result.diffuse = tint;
+    } else if (op == OP_DUSTY_DIFFUSE) {
+        result.diffuse = dusty_diffuse_albedo(tint, o.z);
+    } else if (op == OP_MICROFLAKE) {
+        result.glossy = (tint * microflake_albedo(param(p, (n.y + SLOT_GLOSSY_ALPHA)), unit(o.z)));
     } else if (op == OP_SPECULAR) {
         result.glossy = tint;
     } else {
@@ -2017,6 +2537,11 @@ fn bsdf_sample(
     if ((s.event & EVENT_SPECULAR) != 0u) {
         let v = bsdf_visit(program, p, point, wo, s.wi, node);
         result.weight = ((v.specular * unit3(param3(p, (n.y + SLOT_TINT)))) * (1.0 / prob));
+        if ((n.x & FLAG_FILM) != 0u) {
+            let c = unit(dot(normal_at(p, normal), wo));
+            let film = node_film_reflectance(n, p, point, c);
+            result.weight *= film_tone(film, !transmits);
+        }
         result.wi = s.wi;
         result.event = s.event;
         return result;
@@ -2030,6 +2555,47 @@ fn bsdf_sample(
     }
     return result;
 }
+const SPREAD_MIN: f32 = 1e-3;
+const SPOT_MOST: f32 = 1e6;
+
+struct Spot {
+    exponent: f32,
+    depth: f32,
+    axis: vec3f
+}
+
+fn spot_new(exponent: f32, spread: f32, axis: vec3f) -> Spot {
+    let quarter = (0.25 * clamp(nonnegative(spread), SPREAD_MIN, PI));
+    let s = math_sin(quarter);
+    return Spot(min(nonnegative(exponent), SPOT_MOST), ((2.0 * s) * s), axis);
+}
+
+fn spot_eval(spot: Spot, w: vec3f) -> LobeValue {
+    let apart = (w - spot.axis);
+    let below = (0.5 * dot(apart, apart));
+    let t = (1.0 - (below / spot.depth));
+    if (t <= 0.0) {
+        return lobe_zero();
+    }
+    let k = spot.exponent;
+    let norm = (((((k + 1.0) * (k + 2.0)) * 0.5) * FRAC_1_PI) / (spot.depth * ((k + 2.0) - spot.depth)));
+    let f = (norm * math_pow(t, k));
+    return LobeValue(f, (f * max((1.0 - below), 0.0)));
+}
+
+fn spot_sample(spot: Spot, u: vec3f) -> vec3f {
+    let k = spot.exponent;
+    let plain = ((1.0 - spot.depth) / (k + 1.0));
+    let steeper = (spot.depth / (k + 2.0));
+    let power = select((k + 2.0), (k + 1.0), ((u.z * (plain + steeper)) < plain));
+    let half = ((0.5 * math_log(max((1.0 - u.y), 5.9604645e-8))) / power);
+    let below = (spot.depth * min(((-2.0 * math_exp(half)) * math_sinh(half)), 1.0));
+    let r = sqrt(max((below * (2.0 - below)), 0.0));
+    let turn = math_sincos(((2.0 * PI) * u.x));
+    let frame = frame_from_normal(spot.axis);
+    let w = frame_from_local(frame, vec3f((r * turn.y), (r * turn.x), (1.0 - below)));
+    return normalize_or(w, spot.axis);
+}
 struct EdfValue {
     value: vec3f,
     pdf: f32
@@ -2040,6 +2606,7 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
     if (w.z <= 0.0) {
         return result;
     }
+    let point = shading_point(vec3f(0.0, 0.0, 1.0), splat3(1.0), splat3(1.0), 0u);
     var visit: Visit = visit_root();
     var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
     var depth: u32 = 0u;
@@ -2057,12 +2624,16 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
             depth += 1u;
         } else if ((op >= OP_TINT) && (op < OP_WEIGHTED_LAYER)) {
             let mirrored = vec3f(-w.x, -w.y, w.z);
-            visit.weight *= modifier_factor(n, p, visit.normal, w, mirrored, false);
+            visit.weight *= modifier_factor(n, p, point, visit.normal, w, mirrored, false);
             visit.node += 1u;
         } else {
             if (op == OP_DIFFUSE_EDF) {
                 result.value += (visit.weight * FRAC_1_PI);
                 result.pdf += ((visit.prob * w.z) * FRAC_1_PI);
+            } else if (op == OP_SPOT_EDF) {
+                let v = spot_eval(node_spot(n, p), w);
+                result.value += (visit.weight * v.f);
+                result.pdf += (visit.prob * v.pdf);
             }
             running = (depth > 0u);
             if running {
@@ -2072,6 +2643,16 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
         }
     }
     return result;
+}
+
+fn node_spot(n: vec4u, p: ptr<function, Params>) -> Spot {
+    let up = vec3f(0.0, 0.0, 1.0);
+    let exponent = param(p, n.y);
+    let spread = param(p, (n.y + 1u));
+    if ((n.x & FLAG_VECTOR) == 0u) {
+        return spot_new(exponent, spread, up);
+    }
+    return spot_new(exponent, spread, normalize_or(param3(p, (n.y + SLOT_SPOT_AXIS)), up));
 }
 
 fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3f) -> LobeSample {
@@ -2090,10 +2671,14 @@ fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3
         }
         n = bsdf_node(program, node);
     }
-    let wi = sample_cosine_hemisphere(u.xy);
-    if (((n.x & OP_MASK) != OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
+    let op = (n.x & OP_MASK);
+    var wi: vec3f = sample_cosine_hemisphere(u.xy);
+    if (op == OP_SPOT_EDF) {
+        wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, uz));
+    }
+    if ((op < OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
         return lobe_absorb();
     }
-    return LobeSample(wi, EVENT_DIFFUSE);
+    return LobeSample(wi, select(EVENT_GLOSSY, EVENT_DIFFUSE, (op == OP_DIFFUSE_EDF)));
 }
 const LAYERED_BSDF_VERSION: u32 = 1u;

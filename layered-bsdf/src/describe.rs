@@ -44,6 +44,8 @@ fn operation(op: u32) -> Operation {
         OP_WARD => ("Ward", &GLOSSY, &GLOSSY_MORE),
         OP_BACKSCATTERING => ("backscattering glossy", &GLOSSY, &GLOSSY_MORE),
         OP_SHEEN => ("sheen", &GLOSSY, &[]),
+        OP_DUSTY_DIFFUSE => ("dusty diffuse reflection", &[("tint", 3)], &[]),
+        OP_MICROFLAKE => ("microflake sheen", &[("tint", 3), ("roughness", 1)], &[]),
         OP_TINT => ("tint", &[("tint", 3)], &[(FLAG_COLOR, "transmission tint")]),
         OP_SCALE => ("scale", &[("factor", 3)], &[]),
         OP_DIRECTIONAL_FACTOR => (
@@ -51,11 +53,17 @@ fn operation(op: u32) -> Operation {
             &[("normal tint", 3), ("grazing tint", 3), ("exponent", 1)],
             &[(FLAG_COLOR, "f82 factor")],
         ),
+        OP_FRESNEL_FACTOR => ("Fresnel factor", &[("ior", 3), ("extinction", 3)], &[]),
+        OP_MEASURED_FACTOR => ("measured curve factor", &[], &[]),
+        OP_COAT_ABSORPTION => {
+            ("coat absorption", &[("ior", 3), ("absorption coefficient", 3), ("thickness", 1)], &[])
+        }
         OP_WEIGHTED_LAYER => ("weighted layer", &LAYER, &[(FLAG_VECTOR, "normal")]),
         OP_FRESNEL_LAYER => ("Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 1)], &[(FLAG_VECTOR, "normal")]),
         OP_COLOR_FRESNEL_LAYER => {
             ("color Fresnel layer", &[LAYER[0], LAYER[1], ("ior", 3)], &[(FLAG_VECTOR, "normal")])
         }
+        OP_MEASURED_LAYER => ("measured curve layer", &LAYER, &[]),
         OP_SHEEN_LAYER => {
             ("layer of sheen", &[LAYER[0], LAYER[1], ("roughness", 1)], &[(FLAG_VECTOR, "normal")])
         }
@@ -64,7 +72,11 @@ fn operation(op: u32) -> Operation {
             &[LAYER[0], LAYER[1], ("normal reflectivity", 3), ("grazing reflectivity", 3), ("exponent", 1)],
             &[(FLAG_COLOR, "f82 factor"), (FLAG_VECTOR, "normal")],
         ),
+        OP_MICROFLAKE_LAYER => {
+            ("layer of microflake sheen", &[LAYER[0], LAYER[1], ("roughness", 1)], &[(FLAG_VECTOR, "normal")])
+        }
         OP_DIFFUSE_EDF => ("diffuse emission", &[], &[]),
+        OP_SPOT_EDF => ("spot emission", &[("exponent", 1), ("spread", 1)], &[(FLAG_VECTOR, "axis")]),
         _ => ("unknown", &[], &[]),
     };
     Operation { name, parameters, optional }
@@ -77,19 +89,23 @@ impl LayerProgram {
     }
 }
 
-fn describe(index: usize, word: u32, mut slot: u32, second: u32, mode: u32) -> NodeText {
+fn describe(index: usize, word: u32, mut slot: u32, second: u32, count_or_mode: u32) -> NodeText {
     let op = word & OP_MASK;
     let operation = operation(op);
     let has_mode = op == OP_SPECULAR || op >= OP_GGX_SMITH && op < OP_WARD;
-    let mode = match mode {
+    let mode = match count_or_mode {
         _ if !has_mode => "",
         crate::lobes::MODE_REFLECT => ", reflecting",
         crate::lobes::MODE_TRANSMIT => ", transmitting",
         _ => ", reflecting and transmitting",
     };
     let present = operation.optional.iter().filter(|(flag, _)| word & flag != 0).map(|(_, name)| (*name, 3));
+    let curve = matches!(op, OP_MEASURED_FACTOR | OP_MEASURED_LAYER).then_some(("curve", 3 * count_or_mode));
+    let normal = op == OP_MEASURED_LAYER && word & FLAG_VECTOR != 0;
+    let film = (word & FLAG_FILM != 0).then_some(("film", 4));
+    let last = curve.into_iter().chain(normal.then_some(("normal", 3))).chain(film);
     let mut slots = Vec::new();
-    for (name, count) in operation.parameters.iter().copied().chain(present) {
+    for (name, count) in operation.parameters.iter().copied().chain(present).chain(last) {
         slots.push(match count {
             1 => format!("{name} [{slot}]"),
             _ => format!("{name} [{slot}..{}]", slot + count),
@@ -97,7 +113,7 @@ fn describe(index: usize, word: u32, mut slot: u32, second: u32, mode: u32) -> N
         slot += count;
     }
     let children = match op {
-        OP_DIFFUSE_EDF => vec![],
+        op if op >= OP_DIFFUSE_EDF => vec![],
         op if op >= OP_WEIGHTED_LAYER => vec![index + 1, second as usize],
         op if op >= OP_TINT => vec![index + 1],
         _ => vec![],

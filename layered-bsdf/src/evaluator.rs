@@ -17,13 +17,17 @@ use wgsl_rs::wgsl;
 pub mod code {
     //! Shared with the GPU.
     use crate::curves::code::*;
+    use crate::factors::code::*;
+    use crate::film::code::*;
     use crate::frame::code::*;
     use crate::fresnel::code::*;
     use crate::lobes::code::*;
     use crate::lobes::diffuse_reflection::code::*;
     use crate::lobes::diffuse_transmission::code::*;
+    use crate::lobes::dusty_diffuse::code::*;
     use crate::lobes::ggx::code::*;
     use crate::lobes::glossy::code::*;
+    use crate::lobes::microflake::code::*;
     use crate::lobes::multiscatter::code::*;
     use crate::lobes::specular::code::*;
     use crate::nodes::code::*;
@@ -92,8 +96,6 @@ pub mod code {
 
     /// No node is asked for.
     pub const NO_NODE: u32 = 0xffffffff;
-    /// The shading normal is that of the frame.
-    pub const NO_SLOT: u32 = 0xffffffff;
     /// Least share of a layer's weight that its selection is based on: a curve that vanishes for `wo`
     /// need not vanish at other facets.
     pub const LAYER_FLOOR: f32 = 0.04;
@@ -137,16 +139,6 @@ pub mod code {
         layer_normal_slot(n)
     }
 
-    /// The shading normal in a slot, on the side of `wo`.
-    pub fn normal_at(p: ptr!(function, Params), slot: u32) -> Vec3f {
-        let up = vec3f(0.0, 0.0, 1.0);
-        if slot == NO_SLOT {
-            return up;
-        }
-        let own = normalize_or(param3(p, slot), up);
-        own * select(-1.0, 1.0, own.z >= 0.0)
-    }
-
     /// Probability of choosing the layer when its curve, seen from `wo`, is `curve`.
     pub fn layer_probability(n: Vec4u, p: ptr!(function, Params), curve: Vec3f) -> f32 {
         let weight = mean3(unit3(param3(p, n.y + SLOT_LAYER_WEIGHT)));
@@ -184,44 +176,32 @@ pub mod code {
         LayerSplit { layer: curve.half, base: splat3(1.0) - most, prob }
     }
 
-    /// The factor of a modifier for a pair of directions.
-    pub fn modifier_factor(
-        n: Vec4u,
-        p: ptr!(function, Params),
-        normal: u32,
-        wo: Vec3f,
-        wi: Vec3f,
-        transmits: bool,
-    ) -> Vec3f {
-        let op = n.x & OP_MASK;
-        if op == OP_TINT {
-            let second = transmits && (n.x & FLAG_COLOR) != 0;
-            return unit3(param3(p, n.y + select(SLOT_TINT, SLOT_TINT_TRANSMISSION, second)));
-        }
-        if op == OP_SCALE {
-            let s = param3(p, n.y + SLOT_TINT);
-            return vec3f(nonnegative(s.x), nonnegative(s.y), nonnegative(s.z));
-        }
-        let z = normal_at(p, normal);
-        let c = half_cosine(dot(z, wo), dot(z, wi), dot(wo, wi));
-        let at_normal = param3(p, n.y + SLOT_TINT);
-        let at_grazing = param3(p, n.y + SLOT_FACTOR_GRAZING);
-        let exponent = param(p, n.y + SLOT_FACTOR_EXPONENT);
-        if (n.x & FLAG_COLOR) != 0 {
-            return f82_curve(at_normal, at_grazing, param3(p, n.y + SLOT_FACTOR_F82), exponent, c);
-        }
-        schlick_curve(at_normal, at_grazing, exponent, c)
-    }
+    /// Least difference from 1 of the index ratio of a rough interface under a film. Where nothing refracts,
+    /// light passes straight and has no density; a film still reflects.
+    pub const FILM_ETA: f32 = 1e-3;
 
     /// The GGX lobe of node `n`.
     pub fn node_ggx(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> Ggx {
+        let matched = (n.x & FLAG_FILM) != 0 && abs(point.eta - 1.0) < FILM_ETA;
         ggx_new(
             param(p, n.y + SLOT_GLOSSY_ALPHA),
             param(p, n.y + SLOT_GLOSSY_ALPHA + 1),
             n.w,
             (point.flags & POINT_THIN_WALLED) != 0,
-            point.eta,
+            select(point.eta, 1.0 + FILM_ETA, matched),
         )
+    }
+
+    /// Reflectance of the interface at cosine `c` under the film of node `n`, which has one.
+    pub fn node_film_reflectance(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint, c: f32) -> Vec3f {
+        unit3(film_reflectance(node_film(n, p), splat3(point.near), splat3(point.far), splat3(0.0), c))
+    }
+
+    /// Colour of what an interface of reflectance `film` reflects or transmits, over its mean.
+    pub fn film_tone(film: Vec3f, reflects: bool) -> Vec3f {
+        let tone = select(splat3(1.0) - film, film, reflects);
+        let mean = mean3(tone);
+        select(splat3(1.0), tone * (1.0 / max(mean, 1e-30)), mean > 0.0)
     }
 
     /// The glossy lobe of node `n`.
@@ -244,8 +224,13 @@ pub mod code {
         i: Vec3f,
     ) -> BsdfValue {
         let zero = splat3(0.0);
-        let tint = unit3(param3(p, n.y + SLOT_TINT));
-        let lobe = node_glossy(n, p, point);
+        let mut tint: Vec3f = unit3(param3(p, n.y + SLOT_TINT));
+        let mut lobe: Glossy = node_glossy(n, p, point);
+        if (n.x & FLAG_FILM) != 0 {
+            let film = node_film_reflectance(n, p, point, ggx_facet_cosine(lobe.ggx, o, i));
+            lobe.ggx.reflected = mean3(film);
+            tint *= film_tone(film, i.z > 0.0);
+        }
         let v = glossy_eval(lobe, o, i);
         if (n.x & FLAG_COLOR) == 0 || o.z <= 0.0 {
             return BsdfValue { diffuse: zero, glossy: tint * v.f, pdf: v.pdf, specular: zero };
@@ -266,7 +251,7 @@ pub mod code {
         o: Vec3f,
         u: Vec3f,
     ) -> LobeSample {
-        let lobe = node_glossy(n, p, point);
+        let mut lobe: Glossy = node_glossy(n, p, point);
         let mut uz: f32 = u.z;
         if (n.x & FLAG_COLOR) != 0 {
             let m = multiscatter_new(lobe, o);
@@ -283,7 +268,29 @@ pub mod code {
                 };
             }
         }
+        if (n.x & FLAG_FILM) != 0 {
+            // The facet that the lobe is about to choose.
+            let facet = glossy_sample_facet(lobe, o, u.xy(), uz);
+            let c = clamp(dot(o, facet.m), 0.0, 1.0);
+            lobe.ggx.reflected = mean3(node_film_reflectance(n, p, point, c));
+        }
         glossy_sample(lobe, o, u.xy(), uz)
+    }
+
+    /// Reflectance of the specular lobe at node `n` at cosine `c`.
+    pub fn node_specular_reflectance(
+        n: Vec4u,
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        c: f32,
+    ) -> Vec3f {
+        if (n.x & FLAG_FILM) != 0 {
+            return node_film_reflectance(n, p, point, c);
+        }
+        if (point.flags & POINT_THIN_WALLED) != 0 && n.w == MODE_TRANSMIT {
+            return splat3(0.0);
+        }
+        splat3(specular_reflectance(n.w, c, point.eta))
     }
 
     /// Albedo of the glossy lobe at node `n`, tint included, in its frame.
@@ -357,7 +364,7 @@ pub mod code {
                 visit = visit_now(n, layer, base);
                 depth += 1;
             } else if op >= OP_TINT {
-                visit.weight *= modifier_factor(n, p, visit.normal, wo, wi, transmits);
+                visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, transmits);
                 visit.node += 1;
             } else {
                 if visit.node == specular_node {
@@ -417,7 +424,14 @@ pub mod code {
             let v = diffuse_transmission_eval(o, i);
             result.diffuse = tint * v.f;
             result.pdf = v.pdf;
-        } else if op == OP_GGX_SMITH && (n.x & FLAG_COLOR) == 0 {
+        } else if op == OP_DUSTY_DIFFUSE {
+            result.diffuse = dusty_diffuse_eval(tint, o, i);
+            result.pdf = select(0.0, max(i.z, 0.0) * FRAC_1_PI, o.z > 0.0);
+        } else if op == OP_MICROFLAKE {
+            let v = microflake_eval(microflake_new(param(p, n.y + SLOT_GLOSSY_ALPHA), o), o, i);
+            result.glossy = tint * v.f;
+            result.pdf = v.pdf;
+        } else if op == OP_GGX_SMITH && (n.x & (FLAG_COLOR | FLAG_FILM)) == 0 {
             let v = ggx_eval(node_ggx(n, p, point), o, i);
             result.glossy = tint * v.f;
             result.pdf = v.pdf;
@@ -449,14 +463,17 @@ pub mod code {
         if o.z <= 0.0 {
             return s;
         }
-        if op == OP_DIFFUSE_REFLECTION {
+        if op == OP_DIFFUSE_REFLECTION || op == OP_DUSTY_DIFFUSE {
             s = diffuse_reflection_sample(u.xy());
         } else if op == OP_DIFFUSE_TRANSMISSION {
             s = diffuse_transmission_sample(u.xy());
+        } else if op == OP_MICROFLAKE {
+            s = microflake_sample(microflake_new(param(p, n.y + SLOT_GLOSSY_ALPHA), o), u.xy());
         } else if op == OP_SPECULAR {
             let thin = (point.flags & POINT_THIN_WALLED) != 0;
-            s = specular_sample(n.w, thin, point.eta, o, u.z);
-        } else if op == OP_GGX_SMITH && (n.x & FLAG_COLOR) == 0 {
+            let reflected = node_specular_reflectance(n, p, point, o.z);
+            s = specular_sample(mean3(reflected), thin, point.eta, o, u.z);
+        } else if op == OP_GGX_SMITH && (n.x & (FLAG_COLOR | FLAG_FILM)) == 0 {
             s = ggx_sample(node_ggx(n, p, point), o, u.xy(), u.z);
         } else if op >= OP_GGX_SMITH {
             s = node_glossy_sample(n, p, point, o, u);
@@ -483,7 +500,8 @@ pub mod code {
 
     /// The share of energy that a tree scatters into all directions, seen from `wo`. Exact within the
     /// bounds that the lobes state, but for trees with angular curves or a tint per side: there it is the
-    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05 (0.1 below sheen).
+    /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05 (0.12 below sheen and
+    /// films).
     pub fn bsdf_albedo(
         program: ptr!(function, Program),
         p: ptr!(function, Params),
@@ -497,7 +515,8 @@ pub mod code {
             let n = bsdf_node(program, i);
             let op = n.x & OP_MASK;
             let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
-            angular = angular || op > OP_WEIGHTED_LAYER || op == OP_DIRECTIONAL_FACTOR || splits;
+            let factor = op >= OP_DIRECTIONAL_FACTOR && op != OP_WEIGHTED_LAYER;
+            angular = angular || factor || splits || (n.x & FLAG_FILM) != 0;
         }
         if angular {
             return bsdf_albedo_sampled(program, p, point, wo);
@@ -565,7 +584,7 @@ pub mod code {
                 visit = visit_now(n, layer, base);
                 depth += 1;
             } else if op >= OP_TINT {
-                visit.weight *= modifier_factor(n, p, visit.normal, wo, wo, false);
+                visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
                 visit.node += 1;
             } else {
                 let leaf = leaf_albedo(n, p, point, visit.normal, wo);
@@ -606,6 +625,10 @@ pub mod code {
             }
         } else if op == OP_DIFFUSE_TRANSMISSION {
             result.diffuse = tint;
+        } else if op == OP_DUSTY_DIFFUSE {
+            result.diffuse = dusty_diffuse_albedo(tint, o.z);
+        } else if op == OP_MICROFLAKE {
+            result.glossy = tint * microflake_albedo(param(p, n.y + SLOT_GLOSSY_ALPHA), unit(o.z));
         } else if op == OP_SPECULAR {
             result.glossy = tint;
         } else {
@@ -660,6 +683,11 @@ pub mod code {
         if (s.event & EVENT_SPECULAR) != 0 {
             let v = bsdf_visit(program, p, point, wo, s.wi, node);
             result.weight = v.specular * unit3(param3(p, n.y + SLOT_TINT)) * (1.0 / prob);
+            if (n.x & FLAG_FILM) != 0 {
+                let c = unit(dot(normal_at(p, normal), wo));
+                let film = node_film_reflectance(n, p, point, c);
+                result.weight *= film_tone(film, !transmits);
+            }
             result.wi = s.wi;
             result.event = s.event;
             return result;

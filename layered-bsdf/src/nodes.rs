@@ -7,7 +7,7 @@
 //! | x | operation (`OP_*`), plus flags (`FLAG_*`) |
 //! | y | first parameter slot |
 //! | z | for layers: index of the second child; the first child is the next node |
-//! | w | scatter mode (`MODE_*`) of lobes that have one |
+//! | w | scatter mode (`MODE_*`) of lobes that have one; number of colours of measured curves |
 //!
 //! Parameters lie in one array of floats per shading point, [`Params`]; the slots of a node are
 //! consecutive, in the order of the `SLOT_*` constants here. Optional parts stand last and are announced
@@ -54,12 +54,22 @@ pub mod code {
     pub const OP_BACKSCATTERING: u32 = 10;
     /// Sheen: tint, roughness twice.
     pub const OP_SHEEN: u32 = 11;
+    /// Dusty diffuse reflection: tint.
+    pub const OP_DUSTY_DIFFUSE: u32 = 12;
+    /// Sheen of microflakes: tint, roughness.
+    pub const OP_MICROFLAKE: u32 = 13;
     /// Tint of one child: colour, [colour for transmission].
     pub const OP_TINT: u32 = 16;
     /// Uniform scale of one child, not limited to 1: factor as colour.
     pub const OP_SCALE: u32 = 17;
     /// Tint by direction: colour at normal incidence, at grazing incidence, exponent, [colour at 82°].
     pub const OP_DIRECTIONAL_FACTOR: u32 = 18;
+    /// Reflectance of a medium: index of refraction (three), extinction (three), film if flagged.
+    pub const OP_FRESNEL_FACTOR: u32 = 19;
+    /// Tint by a measured curve: its colours, as many as the last word says.
+    pub const OP_MEASURED_FACTOR: u32 = 20;
+    /// Absorption of a coat: index of refraction (three), absorption coefficient (three), thickness.
+    pub const OP_COAT_ABSORPTION: u32 = 21;
     /// Layer by weight: importances, weight, normal if flagged.
     pub const OP_WEIGHTED_LAYER: u32 = 32;
     /// Layer by Fresnel's equations: importances, weight, index of refraction (one), normal if flagged.
@@ -71,15 +81,24 @@ pub mod code {
     pub const OP_CUSTOM_CURVE_LAYER: u32 = 35;
     /// What sheen leaves to its base: importances, weight, roughness, normal if flagged.
     pub const OP_SHEEN_LAYER: u32 = 36;
-    /// Diffuse emission; no parameters.
+    /// Layer by a measured curve: importances, weight, the colours of the curve, as many as the last word
+    /// says, normal if flagged.
+    pub const OP_MEASURED_LAYER: u32 = 37;
+    /// What the sheen of microflakes leaves to its base: importances, weight, roughness, normal if flagged.
+    pub const OP_MICROFLAKE_LAYER: u32 = 38;
+    /// Diffuse emission; no parameters. This and all above are emission.
     pub const OP_DIFFUSE_EDF: u32 = 64;
+    /// Emission into a cone: exponent, spread, axis if flagged.
+    pub const OP_SPOT_EDF: u32 = 65;
 
-    /// The lobe has a tangent; the layer has a normal.
+    /// The lobe has a tangent; the layer has a normal; the cone has an axis.
     pub const FLAG_VECTOR: u32 = 0x100;
     /// A colour for multiple scattering, for transmission, or at 82°.
     pub const FLAG_COLOR: u32 = 0x200;
     /// The first child of a layer is its base.
     pub const FLAG_BASE_FIRST: u32 = 0x400;
+    /// A thin film lies on what reflects: thickness in nm, index of refraction (three), behind all else.
+    pub const FLAG_FILM: u32 = 0x800;
 
     /// Slot of the tint of a lobe or modifier.
     pub const SLOT_TINT: u32 = 0;
@@ -99,10 +118,18 @@ pub mod code {
     pub const SLOT_TINT_TRANSMISSION: u32 = 3;
     /// Slot of the tint at grazing incidence.
     pub const SLOT_FACTOR_GRAZING: u32 = 3;
+    /// Slot of the extinction of a Fresnel factor.
+    pub const SLOT_FACTOR_EXTINCTION: u32 = 3;
     /// Slot of the exponent of a directional factor.
     pub const SLOT_FACTOR_EXPONENT: u32 = 6;
     /// Slot of the colour at 82° of a directional factor.
     pub const SLOT_FACTOR_F82: u32 = 7;
+    /// Slot of the absorption coefficient of a coat.
+    pub const SLOT_COAT_ABSORPTION: u32 = 3;
+    /// Slot of the thickness of a coat.
+    pub const SLOT_COAT_THICKNESS: u32 = 6;
+    /// Slot of the axis of a cone of light.
+    pub const SLOT_SPOT_AXIS: u32 = 2;
     /// Slots of the importances of layer and base: what selection probabilities are weighted by.
     pub const SLOT_LAYER_IMPORTANCE: u32 = 0;
     /// Slot of the weight of a layer, a colour.

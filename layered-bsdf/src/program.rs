@@ -102,6 +102,18 @@ pub enum Tree<P> {
         /// 0 (light along the horizon) to 1.
         roughness: P,
     },
+    /// `df::dusty_diffuse_reflection_bsdf`
+    DustyDiffuse {
+        /// Reflected share.
+        tint: [P; 3],
+    },
+    /// The sheen of `df::microflake_sheen_bsdf`, which is this over a base by [`Curve::Microflake`].
+    MicroflakeSheen {
+        /// Reflected share.
+        tint: [P; 3],
+        /// 0 (light along the horizon) to 1.
+        roughness: P,
+    },
     /// `df::tint`
     Tint {
         /// Factor; of reflection alone if `transmission` is given.
@@ -131,6 +143,44 @@ pub enum Tree<P> {
         /// What is tinted.
         base: Box<Tree<P>>,
     },
+    /// `df::fresnel_factor`
+    FresnelFactor {
+        /// Index of refraction.
+        ior: [P; 3],
+        /// Extinction: the imaginary part of the index.
+        extinction: [P; 3],
+        /// What is tinted.
+        base: Box<Tree<P>>,
+    },
+    /// `df::measured_curve_factor`
+    MeasuredFactor {
+        /// Factors at equal angles from 0 to π/2; none: black.
+        curve: Vec<[P; 3]>,
+        /// What is tinted.
+        base: Box<Tree<P>>,
+    },
+    /// `df::coat_absorption_factor`
+    CoatAbsorption {
+        /// Index of refraction of the coat.
+        ior: [P; 3],
+        /// Absorption coefficient of the coat, the inverse of the unit of `thickness`.
+        coefficient: [P; 3],
+        /// Thickness of the coat.
+        thickness: P,
+        /// What lies under the coat.
+        base: Box<Tree<P>>,
+    },
+    /// `df::thin_film`: no node of its own, but part of those below that reflect by an index of refraction or a
+    /// curve. It reaches them through tints, factors without such a reflection, and layers by weight; the
+    /// innermost film counts.
+    ThinFilm {
+        /// Thickness, nm.
+        thickness: P,
+        /// Index of refraction.
+        ior: [P; 3],
+        /// What lies under the film.
+        base: Box<Tree<P>>,
+    },
     /// A layer over a base. Every mix is made of these: see `docs/layering.md`.
     Layer {
         /// How the layer's share depends on the angle.
@@ -146,6 +196,15 @@ pub enum Tree<P> {
     },
     /// `df::diffuse_edf`
     DiffuseEdf,
+    /// `df::spot_edf`
+    SpotEdf {
+        /// Exponent of the stretched cosine.
+        exponent: P,
+        /// Full angle of the cone, radians.
+        spread: P,
+        /// Axis in the local frame, any length; none if it is the normal.
+        axis: Option<[P; 3]>,
+    },
 }
 
 /// How the share of a layer depends on the angle; multiplied by the layer's weight.
@@ -167,6 +226,16 @@ pub enum Curve<P> {
     Sheen {
         /// Roughness of the sheen.
         roughness: P,
+    },
+    /// The same for the sheen of microflakes.
+    Microflake {
+        /// Roughness of the sheen.
+        roughness: P,
+    },
+    /// A measured curve (`df::measured_curve_layer`, `df::color_measured_curve_layer`).
+    Measured {
+        /// Reflectivities at equal angles from 0 to π/2; none: no layer.
+        values: Vec<[P; 3]>,
     },
     /// Schlick's curve (`df::custom_curve_layer`, `df::color_custom_curve_layer`).
     Custom {
@@ -212,7 +281,7 @@ impl LayerProgram {
     /// Lays out `tree`. The second result has an entry per slot.
     pub fn new<P: Copy>(tree: &Tree<P>) -> Result<(Self, Vec<Slot<P>>), ProgramError> {
         let mut layout = Layout { nodes: Vec::new(), slots: Vec::new() };
-        layout.push(tree)?;
+        layout.push(tree, None)?;
         let slots = layout.slots.len() as u32;
         Ok((Self { nodes: layout.nodes, slots }, layout.slots))
     }
@@ -278,7 +347,7 @@ impl LayerProgram {
         for index in (0..self.nodes.len()).rev() {
             importance[index] = self.node_importance(index, &importance, params, &varying);
             let n = self.nodes[index];
-            if n.x & OP_MASK < OP_WEIGHTED_LAYER || n.x & OP_MASK == OP_DIFFUSE_EDF {
+            if !(OP_WEIGHTED_LAYER..OP_DIFFUSE_EDF).contains(&(n.x & OP_MASK)) {
                 continue;
             }
             let (layer, base) = self.children(index);
@@ -315,7 +384,7 @@ impl LayerProgram {
         let op = n.x & OP_MASK;
         match op {
             OP_BLACK => 0.0,
-            OP_DIFFUSE_EDF => 1.0,
+            OP_DIFFUSE_EDF | OP_SPOT_EDF => 1.0,
             OP_DIFFUSE_REFLECTION if n.x & FLAG_COLOR != 0 => {
                 brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_DIFFUSE_MULTIPLE))
             }
@@ -331,8 +400,15 @@ impl LayerProgram {
             OP_DIRECTIONAL_FACTOR => {
                 brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_FACTOR_GRAZING)) * importance[index + 1]
             }
+            OP_MEASURED_FACTOR => {
+                let colors = (0..n.w).map(|i| brightest(n.y + 3 * i));
+                colors.fold(0.0, f32::max) * importance[index + 1]
+            }
+            OP_FRESNEL_FACTOR | OP_COAT_ABSORPTION => importance[index + 1],
             OP_TINT | OP_SCALE => brightest(n.y + SLOT_TINT) * importance[index + 1],
-            OP_DIFFUSE_REFLECTION | OP_DIFFUSE_TRANSMISSION => DIFFUSE_SHARE * brightest(n.y + SLOT_TINT),
+            OP_DIFFUSE_REFLECTION | OP_DIFFUSE_TRANSMISSION | OP_DUSTY_DIFFUSE => {
+                DIFFUSE_SHARE * brightest(n.y + SLOT_TINT)
+            }
             _ if op < OP_TINT => brightest(n.y + SLOT_TINT),
             _ => {
                 let (layer, base) = self.children(index);
@@ -350,6 +426,9 @@ impl LayerProgram {
 /// a narrow one must meet its lights by itself, and a coat that is chosen by its four percent seldom does.
 const DIFFUSE_SHARE: f32 = 0.2;
 
+/// A thin film on its way to what it lies on.
+type Film<'a, P> = Option<(&'a P, &'a [P; 3])>;
+
 /// A program under construction.
 struct Layout<P> {
     nodes: Vec<Vec4u>,
@@ -357,8 +436,8 @@ struct Layout<P> {
 }
 
 impl<P: Copy> Layout<P> {
-    /// Appends a subtree; gives the stack depth that its visit needs.
-    fn push(&mut self, tree: &Tree<P>) -> Result<u32, ProgramError> {
+    /// Appends a subtree under a film; gives the stack depth that its visit needs.
+    fn push(&mut self, tree: &Tree<P>, film: Film<'_, P>) -> Result<u32, ProgramError> {
         match tree {
             Tree::Black => self.node(OP_BLACK, 0).map(|_| 0),
             Tree::DiffuseEdf => self.node(OP_DIFFUSE_EDF, 0).map(|_| 0),
@@ -371,43 +450,99 @@ impl<P: Copy> Layout<P> {
                 self.values(&[tint])
             }
             Tree::Specular { tint, mode } => {
-                self.node(OP_SPECULAR, mode_word(*mode))?;
-                self.values(&[tint])
+                let film = film.filter(|_| *mode == ScatterMode::ReflectTransmit);
+                self.node(OP_SPECULAR | flag(&film, FLAG_FILM), mode_word(*mode))?;
+                self.values(&[tint])?;
+                self.film(film)
             }
             Tree::GgxSmith { tint, roughness_u, roughness_v, mode, tangent } => {
-                self.node(OP_GGX_SMITH | flag(tangent, FLAG_VECTOR), mode_word(*mode))?;
-                self.values(&[tint, &[*roughness_u, *roughness_v], optional(tangent)])
+                let roughness = [*roughness_u, *roughness_v];
+                self.glossy((OP_GGX_SMITH, mode_word(*mode)), tint, roughness, tangent, &None, film)
             }
             Tree::Glossy { model, tint, multiscatter_tint, roughness_u, roughness_v, mode, tangent } => {
-                let (op, mode) = glossy_words(*model, *mode);
-                let flags = flag(tangent, FLAG_VECTOR) | flag(multiscatter_tint, FLAG_COLOR);
-                self.node(op | flags, mode)?;
+                let words = glossy_words(*model, *mode);
                 let roughness = [*roughness_u, *roughness_v];
-                self.values(&[tint, &roughness, optional(tangent), optional(multiscatter_tint)])
+                self.glossy(words, tint, roughness, tangent, multiscatter_tint, film)
             }
             Tree::Sheen { tint, roughness } => {
                 self.node(OP_SHEEN, crate::lobes::MODE_REFLECT)?;
                 self.values(&[tint, &[*roughness, *roughness]])
             }
+            Tree::DustyDiffuse { tint } => {
+                self.node(OP_DUSTY_DIFFUSE, 0)?;
+                self.values(&[tint])
+            }
+            Tree::MicroflakeSheen { tint, roughness } => {
+                self.node(OP_MICROFLAKE, crate::lobes::MODE_REFLECT)?;
+                self.values(&[tint, &[*roughness]])
+            }
+            Tree::SpotEdf { exponent, spread, axis } => {
+                self.node(OP_SPOT_EDF | flag(axis, FLAG_VECTOR), 0)?;
+                self.values(&[&[*exponent, *spread], optional(axis)])
+            }
+            Tree::Layer { curve, weight, normal, layer, base } => {
+                self.layer(curve, weight, normal, [layer, base], film)
+            }
+            _ => self.modifier(tree, film),
+        }
+    }
+
+    /// Appends a modifier and what it modifies.
+    fn modifier(&mut self, tree: &Tree<P>, film: Film<'_, P>) -> Result<u32, ProgramError> {
+        match tree {
             Tree::Tint { tint, transmission, base } => {
                 self.node(OP_TINT | flag(transmission, FLAG_COLOR), 0)?;
                 self.values(&[tint, optional(transmission)])?;
-                self.push(base)
+                self.push(base, film)
             }
             Tree::Scale { factor, base } => {
                 self.node(OP_SCALE, 0)?;
                 self.values(&[factor])?;
-                self.push(base)
+                self.push(base, film)
             }
             Tree::DirectionalFactor { normal_tint, grazing_tint, f82_factor, exponent, base } => {
-                self.node(OP_DIRECTIONAL_FACTOR | flag(f82_factor, FLAG_COLOR), 0)?;
+                let flags = flag(f82_factor, FLAG_COLOR) | flag(&film, FLAG_FILM);
+                self.node(OP_DIRECTIONAL_FACTOR | flags, 0)?;
                 self.values(&[normal_tint, grazing_tint, &[*exponent], optional(f82_factor)])?;
-                self.push(base)
+                self.film(film)?;
+                self.push(base, None)
             }
-            Tree::Layer { curve, weight, normal, layer, base } => {
-                self.layer(curve, weight, normal, layer, base)
+            Tree::FresnelFactor { ior, extinction, base } => {
+                self.node(OP_FRESNEL_FACTOR | flag(&film, FLAG_FILM), 0)?;
+                self.values(&[ior, extinction])?;
+                self.film(film)?;
+                self.push(base, None)
             }
+            Tree::MeasuredFactor { curve, base } => {
+                self.node(OP_MEASURED_FACTOR, curve.len() as u32)?;
+                self.values(&[curve.as_flattened()])?;
+                self.push(base, film)
+            }
+            Tree::CoatAbsorption { ior, coefficient, thickness, base } => {
+                self.node(OP_COAT_ABSORPTION, 0)?;
+                self.values(&[ior, coefficient, &[*thickness]])?;
+                self.push(base, film)
+            }
+            Tree::ThinFilm { thickness, ior, base } => self.push(base, Some((thickness, ior))),
+            _ => unreachable!("lobes and layers are no modifiers"),
         }
+    }
+
+    /// Appends a glossy lobe.
+    fn glossy(
+        &mut self,
+        (op, mode): (u32, u32),
+        tint: &[P; 3],
+        roughness: [P; 2],
+        tangent: &Option<[P; 3]>,
+        multiscatter_tint: &Option<[P; 3]>,
+        film: Film<'_, P>,
+    ) -> Result<u32, ProgramError> {
+        let film = film.filter(|_| mode == crate::lobes::MODE_REFLECT_TRANSMIT);
+        let flags = flag(tangent, FLAG_VECTOR) | flag(multiscatter_tint, FLAG_COLOR) | flag(&film, FLAG_FILM);
+        self.node(op | flags, mode)?;
+        self.values(&[tint, &roughness, optional(tangent), optional(multiscatter_tint)])?;
+        self.film(film)
     }
 
     /// Appends a layer: its node, its slots, and the child first whose visit needs less stack.
@@ -416,43 +551,54 @@ impl<P: Copy> Layout<P> {
         curve: &Curve<P>,
         weight: &[P; 3],
         normal: &Option<[P; 3]>,
-        layer: &Tree<P>,
-        base: &Tree<P>,
+        [layer, base]: [&Tree<P>; 2],
+        film: Film<'_, P>,
     ) -> Result<u32, ProgramError> {
-        let op = match curve {
-            Curve::Constant => OP_WEIGHTED_LAYER,
-            Curve::Fresnel { .. } => OP_FRESNEL_LAYER,
-            Curve::ColorFresnel { .. } => OP_COLOR_FRESNEL_LAYER,
-            Curve::Sheen { .. } => OP_SHEEN_LAYER,
-            Curve::Custom { f82_factor, .. } => OP_CUSTOM_CURVE_LAYER | flag(f82_factor, FLAG_COLOR),
+        // The film lies on the layer's own reflection, or passes on, or sheen keeps it away.
+        let (here, below) = match curve {
+            Curve::Fresnel { .. } | Curve::ColorFresnel { .. } | Curve::Custom { .. } => (film, None),
+            Curve::Constant | Curve::Measured { .. } => (None, film),
+            Curve::Sheen { .. } | Curve::Microflake { .. } => (None, None),
+        };
+        let (op, count) = match curve {
+            Curve::Constant => (OP_WEIGHTED_LAYER, 0),
+            Curve::Fresnel { .. } if here.is_none() => (OP_FRESNEL_LAYER, 0),
+            Curve::Fresnel { .. } | Curve::ColorFresnel { .. } => (OP_COLOR_FRESNEL_LAYER, 0),
+            Curve::Sheen { .. } => (OP_SHEEN_LAYER, 0),
+            Curve::Microflake { .. } => (OP_MICROFLAKE_LAYER, 0),
+            Curve::Measured { values } => (OP_MEASURED_LAYER, values.len() as u32),
+            Curve::Custom { f82_factor, .. } => (OP_CUSTOM_CURVE_LAYER | flag(f82_factor, FLAG_COLOR), 0),
         };
         let base_first = layer.stack_need() > base.stack_need();
         let order = if base_first { FLAG_BASE_FIRST } else { 0 };
-        let node = self.node(op | order | flag(normal, FLAG_VECTOR), 0)?;
+        let node = self.node(op | order | flag(normal, FLAG_VECTOR) | flag(&here, FLAG_FILM), count)?;
         self.slots.extend([Slot::Derived, Slot::Derived]);
         self.values(&[weight])?;
         match curve {
-            Curve::Constant => self.values(&[optional(normal)])?,
-            Curve::Fresnel { ior: one } | Curve::Sheen { roughness: one } => {
-                self.values(&[&[*one], optional(normal)])?
-            }
-            Curve::ColorFresnel { ior } => self.values(&[ior, optional(normal)])?,
+            Curve::Constant => 0,
+            Curve::Fresnel { ior } if here.is_some() => self.values(&[&[*ior; 3]])?,
+            Curve::Fresnel { ior: one }
+            | Curve::Sheen { roughness: one }
+            | Curve::Microflake { roughness: one } => self.values(&[&[*one]])?,
+            Curve::ColorFresnel { ior } => self.values(&[ior])?,
+            Curve::Measured { values } => self.values(&[values.as_flattened()])?,
             Curve::Custom { normal_reflectivity, grazing_reflectivity, f82_factor, exponent } => {
                 let f82 = optional(f82_factor);
-                self.values(&[
-                    normal_reflectivity,
-                    grazing_reflectivity,
-                    &[*exponent],
-                    f82,
-                    optional(normal),
-                ])?
+                self.values(&[normal_reflectivity, grazing_reflectivity, &[*exponent], f82])?
             }
         };
+        self.values(&[optional(normal)])?;
+        self.film(here)?;
         let (first, second) = if base_first { (base, layer) } else { (layer, base) };
-        let first_need = self.push(first)?;
+        let first_need = self.push(first, below)?;
         self.nodes[node].z = self.nodes.len() as u32;
-        let second_need = self.push(second)?;
+        let second_need = self.push(second, below)?;
         Ok(second_need.max(first_need + 1))
+    }
+
+    /// Appends the slots of a film.
+    fn film(&mut self, film: Film<'_, P>) -> Result<u32, ProgramError> {
+        film.map_or(Ok(0), |(thickness, ior)| self.values(&[&[*thickness], ior]))
     }
 
     fn node(&mut self, op: u32, mode: u32) -> Result<usize, ProgramError> {
@@ -476,9 +622,13 @@ impl<P> Tree<P> {
     /// the logarithm of the number of leaves: to need d + 1, both children must need d.
     fn stack_need(&self) -> u32 {
         match self {
-            Tree::Tint { base, .. } | Tree::Scale { base, .. } | Tree::DirectionalFactor { base, .. } => {
-                base.stack_need()
-            }
+            Tree::Tint { base, .. }
+            | Tree::Scale { base, .. }
+            | Tree::DirectionalFactor { base, .. }
+            | Tree::FresnelFactor { base, .. }
+            | Tree::MeasuredFactor { base, .. }
+            | Tree::CoatAbsorption { base, .. }
+            | Tree::ThinFilm { base, .. } => base.stack_need(),
             Tree::Layer { layer, base, .. } => {
                 let (a, b) = (layer.stack_need(), base.stack_need());
                 a.max(b).max(a.min(b) + 1)

@@ -41,6 +41,9 @@ pub mod code {
         pub thin_walled: bool,
         /// Index of refraction of the far side over that of the near side.
         pub eta: f32,
+        /// Reflected share at the facet in question, where something else than Fresnel's equations decides
+        /// it; else negative.
+        pub reflected: f32,
     }
 
     /// Roughness limited to what the lobe is made for; a NaN is as good as smooth.
@@ -50,7 +53,8 @@ pub mod code {
 
     /// The lobe for roughnesses as authored and a sane index ratio.
     pub fn ggx_new(alpha_x: f32, alpha_y: f32, mode: u32, thin_walled: bool, eta: f32) -> Ggx {
-        Ggx { alpha: vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y)), mode, thin_walled, eta: sane_eta(eta) }
+        let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
+        Ggx { alpha, mode, thin_walled, eta: sane_eta(eta), reflected: -1.0 }
     }
 
     /// √(z² + αx²x² + αy²y²): the length of `w` after the stretch to a hemisphere of roughness 1.
@@ -114,10 +118,23 @@ pub mod code {
 
     /// The reflected share of energy at a facet seen at cosine `c`.
     pub fn ggx_reflectance(lobe: Ggx, c: f32) -> f32 {
+        if lobe.reflected >= 0.0 {
+            return lobe.reflected;
+        }
         if lobe.thin_walled && lobe.mode == MODE_TRANSMIT {
             return 0.0;
         }
         specular_reflectance(lobe.mode, c, lobe.eta)
+    }
+
+    /// Cosine between `wo` and the facet that sends light from `wi` to it.
+    pub fn ggx_facet_cosine(lobe: Ggx, wo: Vec3f, wi: Vec3f) -> f32 {
+        if wi.z < 0.0 && !lobe.thin_walled {
+            let h = wo + wi * lobe.eta;
+            return min(abs(dot(wo, h)) / sqrt(max(dot(h, h), 1e-30)), 1.0);
+        }
+        let h = wo + vec3f(wi.x, wi.y, abs(wi.z));
+        min(0.5 * sqrt(dot(h, h)), 1.0)
     }
 
     /// The far side of a solid. With h = wo + η wi the Jacobian is η²|wi·wm|/|h|² (Walter et al., eq. 17).

@@ -231,6 +231,10 @@ pub mod code {
 
     /// A facet visible from `wo`; `uc` chooses between it and its twin where there is one.
     pub fn glossy_sample_facet(lobe: Glossy, wo: Vec3f, u: Vec2f, uc: f32) -> FacetSample {
+        if lobe.op == OP_GGX_SMITH {
+            let bound = ggx_cap_bound(lobe.ggx, wo);
+            return FacetSample { m: ggx_sample_normal(lobe.ggx.alpha, wo, bound, u), rest: uc };
+        }
         if lobe.op == OP_BECKMANN_SMITH {
             return FacetSample { m: beckmann_sample_normal(lobe.ggx.alpha, wo, u), rest: uc };
         }

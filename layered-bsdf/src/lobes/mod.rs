@@ -10,10 +10,12 @@
 
 pub mod diffuse_reflection;
 pub mod diffuse_transmission;
+pub mod dusty_diffuse;
 pub mod facets;
 pub mod ggx;
 pub mod ggx_albedo;
 pub mod glossy;
+pub mod microflake;
 pub mod multiscatter;
 pub mod specular;
 

@@ -34,14 +34,12 @@ pub mod code {
         wm * (c * inverse - cos_t) - wo * inverse
     }
 
-    /// A mirrored or refracted direction. `u` chooses between them in `MODE_REFLECT_TRANSMIT`.
-    pub fn specular_sample(mode: u32, thin_walled: bool, eta: f32, wo: Vec3f, u: f32) -> LobeSample {
+    /// A mirrored direction with the probability `reflected`, else a refracted one; `u` chooses.
+    pub fn specular_sample(reflected: f32, thin_walled: bool, eta: f32, wo: Vec3f, u: f32) -> LobeSample {
         if wo.z <= 0.0 {
             return lobe_absorb();
         }
-        let thin_transmission = thin_walled && mode == MODE_TRANSMIT;
-        let r = select(specular_reflectance(mode, wo.z, eta), 0.0, thin_transmission);
-        if u < r {
+        if u < reflected {
             return LobeSample { wi: vec3f(-wo.x, -wo.y, wo.z), event: EVENT_SPECULAR | EVENT_REFLECTION };
         }
         let straight = vec3f(-wo.x, -wo.y, -wo.z);

@@ -1,6 +1,7 @@
 //! The one list: every distribution function with parameters worth testing, and what it promises.
 
 use crate::math::direction;
+use crate::sphere::Bins;
 use layered_bsdf::prelude::*;
 
 /// A tree in a situation.
@@ -33,6 +34,14 @@ impl Case {
     pub fn setup(&self) -> Setup {
         let (program, params) = LayerProgram::with_values(&self.tree).expect("the list holds small trees");
         Setup { program: program.to_program(), params, point: self.point }
+    }
+
+    /// Bins that are narrow where the lobes seen from `wo` may have peaks.
+    pub fn bins(&self, wo: Vec3f) -> Bins {
+        let thin = self.point.flags & POINT_THIN_WALLED != 0;
+        let eta = if thin { 1.0 } else { f64::from(self.point.ior_far.x / self.point.ior_near.x) };
+        let sends_back = matches!(self.tree, Tree::Glossy { model: GlossyModel::Backscattering, .. });
+        Bins::new(if sends_back { vec3f(-wo.x, -wo.y, wo.z) } else { wo }, eta)
     }
 }
 
@@ -88,14 +97,20 @@ enum Kind {
     GgxSmith,
     Glossy,
     Sheen,
+    DustyDiffuse,
+    MicroflakeSheen,
     Tint,
     Scale,
     DirectionalFactor,
+    FresnelFactor,
+    MeasuredFactor,
+    CoatAbsorption,
+    ThinFilm,
     Layer,
-    DiffuseEdf,
+    Emission,
 }
 
-const KINDS: [Kind; 12] = [
+const KINDS: [Kind; 18] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
@@ -103,11 +118,17 @@ const KINDS: [Kind; 12] = [
     Kind::GgxSmith,
     Kind::Glossy,
     Kind::Sheen,
+    Kind::DustyDiffuse,
+    Kind::MicroflakeSheen,
     Kind::Tint,
     Kind::Scale,
     Kind::DirectionalFactor,
+    Kind::FresnelFactor,
+    Kind::MeasuredFactor,
+    Kind::CoatAbsorption,
+    Kind::ThinFilm,
     Kind::Layer,
-    Kind::DiffuseEdf,
+    Kind::Emission,
 ];
 
 fn kind_of(tree: &Tree<f32>) -> Kind {
@@ -119,12 +140,18 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::GgxSmith { .. } => Kind::GgxSmith,
         Tree::Glossy { .. } => Kind::Glossy,
         Tree::Sheen { .. } => Kind::Sheen,
+        Tree::DustyDiffuse { .. } => Kind::DustyDiffuse,
+        Tree::MicroflakeSheen { .. } => Kind::MicroflakeSheen,
         Tree::Tint { .. } => Kind::Tint,
         Tree::Scale { .. } => Kind::Scale,
         Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
+        Tree::FresnelFactor { .. } => Kind::FresnelFactor,
+        Tree::MeasuredFactor { .. } => Kind::MeasuredFactor,
+        Tree::CoatAbsorption { .. } => Kind::CoatAbsorption,
+        Tree::ThinFilm { .. } => Kind::ThinFilm,
         Tree::Layer { .. } => Kind::Layer,
-        // Has tests of its own: it is no BSDF.
-        Tree::DiffuseEdf => Kind::DiffuseEdf,
+        // These have tests of their own: they are no BSDFs.
+        Tree::DiffuseEdf | Tree::SpotEdf { .. } => Kind::Emission,
     }
 }
 
@@ -133,7 +160,7 @@ fn every_kind_of_node_is_a_case() {
     let list = cases();
     for kind in KINDS {
         let found = list.iter().any(|case| kind_of(&case.tree) == kind);
-        assert!(found || kind == Kind::DiffuseEdf, "{kind:?} has no case");
+        assert!(found || kind == Kind::Emission, "{kind:?} has no case");
     }
 }
 
@@ -191,6 +218,23 @@ impl Kind {
                     add(list, &format!("sheen {roughness} over diffuse"), over, point(1.0, 1.5, 0), false);
                 }
             }
+            Kind::DustyDiffuse => {
+                let dust = |tint| Tree::DustyDiffuse { tint };
+                add(list, "dusty diffuse, white", dust(WHITE), point(1.0, 1.0, 0), true);
+                add(list, "dusty diffuse", dust([0.8, 0.3, 0.02]), point(1.0, 1.0, 0), false);
+            }
+            Kind::MicroflakeSheen => {
+                for roughness in [1.0, 0.4, 0.1] {
+                    let lobe = Tree::MicroflakeSheen { tint: WHITE, roughness };
+                    let base = Tree::DustyDiffuse { tint: WHITE };
+                    let over = layer(Curve::Microflake { roughness }, 1.0, None, lobe.clone(), base);
+                    let air = point(1.0, 1.5, 0);
+                    for (name, tree) in [("alone", lobe), ("over dust", over)] {
+                        add(list, &format!("microflake sheen {roughness} {name}"), tree, air, false);
+                        list.last_mut().expect("just added").reciprocal = false;
+                    }
+                }
+            }
             Kind::Tint => {
                 let tree = Tree::Tint {
                     tint: [0.8, 0.5, 0.2],
@@ -221,8 +265,124 @@ impl Kind {
                     );
                 }
             }
+            Kind::FresnelFactor => {
+                let tree = Tree::FresnelFactor {
+                    ior: GOLD.0,
+                    extinction: GOLD.1,
+                    base: Box::new(ggx(0.3, 0.3, ScatterMode::Reflect)),
+                };
+                add(list, "fresnel factor", tree, point(1.0, 1.0, 0), false);
+            }
+            Kind::MeasuredFactor => {
+                for (name, curve) in [("five", CURVE.to_vec()), ("one", vec![[0.5; 3]]), ("no", vec![])] {
+                    let base = Box::new(ggx(0.3, 0.3, ScatterMode::ReflectTransmit));
+                    let tree = Tree::MeasuredFactor { curve, base };
+                    add(list, &format!("measured factor of {name} colors"), tree, point(1.0, 1.5, 0), false);
+                    // The angle at the half vector is not the same from both sides.
+                    list.last_mut().expect("just added").reciprocal = false;
+                }
+            }
+            Kind::CoatAbsorption => {
+                let transmitting = layer(
+                    Curve::Constant,
+                    0.5,
+                    None,
+                    diffuse(0.0),
+                    Tree::DiffuseTransmission { tint: WHITE },
+                );
+                for (ior, thickness) in [(1.5, 0.4), (0.8, 0.1), (1.0, 0.0)] {
+                    let tree = Tree::CoatAbsorption {
+                        ior: [ior, 1.1 * ior, 1.2 * ior],
+                        coefficient: [0.5, 1.0, 2.0],
+                        thickness,
+                        base: Box::new(transmitting.clone()),
+                    };
+                    let name = format!("coat absorption {ior}, thickness {thickness}");
+                    add(list, &name, tree, point(1.0, 1.0, 0), thickness == 0.0);
+                }
+            }
+            Kind::ThinFilm => film_cases(list),
             Kind::Layer => layer_cases(list),
-            Kind::DiffuseEdf => {}
+            Kind::Emission => {}
+        }
+    }
+}
+
+/// Gold, roughly: index of refraction and extinction.
+pub const GOLD: ([f32; 3], [f32; 3]) = ([0.17, 0.35, 1.5], [3.1, 2.7, 1.9]);
+
+/// A measured curve that rises and falls.
+const CURVE: [[f32; 3]; 5] =
+    [[0.1, 0.9, 0.5], [0.7, 0.2, 0.5], [0.3, 0.6, 0.9], [1.0, 0.1, 0.0], [0.5, 1.0, 1.0]];
+
+/// A film on `base`.
+pub fn film(thickness: f32, ior: [f32; 3], base: Tree<f32>) -> Tree<f32> {
+    Tree::ThinFilm { thickness, ior, base: Box::new(base) }
+}
+
+/// Films on everything that they change.
+fn film_cases(list: &mut Vec<Case>) {
+    let both = ScatterMode::ReflectTransmit;
+    let mirror = Tree::Specular { tint: WHITE, mode: both };
+    for (at, side) in transmission_points() {
+        let name = |what: &str| format!("film on {what} {side}");
+        add(list, &name("specular"), film(300.0, [1.33; 3], mirror.clone()), at, true);
+        add(list, &name("ggx"), film(300.0, [1.8; 3], ggx(0.3, 0.3, both)), at, false);
+    }
+    let air = point(1.0, 1.5, 0);
+    for (thickness, ior) in [(1.0, [1.8; 3]), (5e3, [1.3, 1.4, 1.6])] {
+        let vcavities = glossy(GlossyModel::BeckmannVcavities, (0.5, 0.2), both);
+        add(
+            list,
+            &format!("film of {thickness} nm on V-cavities"),
+            film(thickness, ior, vcavities),
+            air,
+            false,
+        );
+    }
+    // A soap bubble.
+    let bubble = point(1.0, 1.0, POINT_THIN_WALLED);
+    add(list, "film on nothing, specular", film(350.0, [1.33; 3], mirror), bubble, true);
+    for (at, side) in [(bubble, "thin"), (point(1.0, 1.0, 0), "solid")] {
+        add(
+            list,
+            &format!("film on nothing, rough, {side}"),
+            film(350.0, [1.33; 3], ggx(0.2, 0.2, both)),
+            at,
+            false,
+        );
+        // Equal indices are moved apart, by as much from either side.
+        list.last_mut().expect("just added").reciprocal = false;
+    }
+    let gold = |base| Tree::FresnelFactor { ior: GOLD.0, extinction: GOLD.1, base: Box::new(base) };
+    let metal = gold(ggx(0.3, 0.3, ScatterMode::Reflect));
+    add(list, "film on gold", film(250.0, [1.7; 3], metal), point(1.0, 1.0, 0), false);
+    let factor = Tree::DirectionalFactor {
+        normal_tint: [0.9, 0.6, 0.1],
+        grazing_tint: WHITE,
+        f82_factor: Some([0.4, 0.6, 0.8]),
+        exponent: 5.0,
+        base: Box::new(ggx(0.3, 0.3, ScatterMode::Reflect)),
+    };
+    add(list, "film on a directional factor", film(250.0, [1.7; 3], factor), point(1.0, 1.0, 0), false);
+    let custom = Curve::Custom {
+        normal_reflectivity: [0.04, 0.3, 0.6],
+        grazing_reflectivity: WHITE,
+        f82_factor: None,
+        exponent: 5.0,
+    };
+    for (name, curve) in [("fresnel", Curve::Fresnel { ior: 1.7 }), ("custom curve", custom)] {
+        for roughness in [0.05, 0.6] {
+            let coat = layer(
+                curve.clone(),
+                1.0,
+                Some([0.1, 0.0, 1.0]),
+                ggx(roughness, roughness, ScatterMode::Reflect),
+                diffuse(0.0),
+            );
+            let name = format!("film on {name} layer, roughness {roughness}");
+            add(list, &name, film(400.0, [2.2; 3], coat), point(1.0, 1.5, 0), false);
+            list.last_mut().expect("just added").reciprocal = false;
         }
     }
 }
@@ -277,9 +437,10 @@ pub fn glossy(model: GlossyModel, roughness: (f32, f32), mode: ScatterMode) -> T
 fn glossy_cases(list: &mut Vec<Case>, model: GlossyModel) {
     let transmits = !matches!(model, GlossyModel::Ward | GlossyModel::Backscattering);
     let air = point(1.0, 1.5, 0);
-    // The bins of the tests resolve narrow peaks around the mirrored direction only.
-    let narrow = if model == GlossyModel::Backscattering { 0.1 } else { 0.01 };
-    for alpha in [1.0, 0.2, narrow] {
+    for alpha in [1.0, 0.2, 0.01, 1e-3] {
+        if alpha < 0.01 && model != GlossyModel::Backscattering {
+            continue;
+        }
         let tree = glossy(model, (alpha, alpha), ScatterMode::Reflect);
         add(list, &format!("{model:?} reflect {alpha}"), tree, air, false);
     }
@@ -343,6 +504,8 @@ fn layer_cases(list: &mut Vec<Case>) {
         ("color fresnel", Curve::ColorFresnel { ior: [1.4, 1.6, 2.0] }),
         ("custom curve", custom(None)),
         ("custom curve f82", custom(Some([0.5, 0.6, 0.7]))),
+        ("measured curve", Curve::Measured { values: CURVE.to_vec() }),
+        ("empty measured curve", Curve::Measured { values: vec![] }),
     ] {
         let coat = layer(curve.clone(), 0.7, None, ggx(0.2, 0.2, ScatterMode::Reflect), diffuse(0.0));
         add(list, &format!("{name} layer, glossy over diffuse"), coat, air, false);

@@ -25,9 +25,7 @@ struct Outcome {
 
 fn check(case: &Case, view: usize) -> Outcome {
     let wo = views()[view];
-    let eta = f64::from(case.point.ior_far.x / case.point.ior_near.x);
-    let eta = if case.point.flags & POINT_THIN_WALLED != 0 { 1.0 } else { eta };
-    let bins = Bins::new(wo, eta);
+    let bins = case.bins(wo);
     let mut setup = case.setup();
     let expected = bins.integrate(COUNTS, |wi| [f64::from(setup.eval(wo, wi).pdf)]);
     let mut observed = vec![0u32; BINS];

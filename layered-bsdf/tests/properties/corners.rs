@@ -130,7 +130,21 @@ fn bad_parameters_stay_finite() {
                 exponent: a,
                 base: Box::new(color),
             };
-            let tree = Tree::Tint { tint: [a; 3], transmission: Some([b; 3]), base: Box::new(factor) };
+            let flakes = Tree::MicroflakeSheen { tint: [b; 3], roughness: a };
+            let dust = Tree::DustyDiffuse { tint: [a, b, 0.5] };
+            let dusty = layer(Curve::Microflake { roughness: b }, a, None, flakes, dust);
+            let factor = layer(Curve::Constant, 0.7, None, factor, dusty);
+            let measured = Curve::Measured { values: vec![[a; 3], [b; 3], [a, b, 0.5]] };
+            let measured = layer(measured, b, Some([b, a, 1.0]), factor, Tree::Black);
+            let metal = Tree::FresnelFactor { ior: [a; 3], extinction: [b; 3], base: Box::new(measured) };
+            let coat = Tree::CoatAbsorption {
+                ior: [b; 3],
+                coefficient: [a; 3],
+                thickness: b,
+                base: Box::new(metal),
+            };
+            let filmed = Tree::ThinFilm { thickness: a, ior: [b; 3], base: Box::new(coat) };
+            let tree = Tree::Tint { tint: [a; 3], transmission: Some([b; 3]), base: Box::new(filmed) };
             list.push(Case {
                 name: format!("{a} and {b}"),
                 tree,

@@ -2,7 +2,7 @@
 
 use crate::cases::{Case, cases, diffuse, ggx, layer, point};
 use crate::math::{Random, direction, quasi_random};
-use crate::sphere::{Bins, ENERGY};
+use crate::sphere::ENERGY;
 use layered_bsdf::prelude::*;
 
 /// Azimuths, for what is not isotropic.
@@ -13,9 +13,8 @@ const COSINES: [f32; 6] = [1.0, 0.8, 0.5, 0.2, 0.05, 0.01];
 /// Scattered energy seen from `wo`: glossy and diffuse by quadrature of `eval`, specular by samples.
 fn energy(case: &Case, wo: Vec3f) -> f64 {
     let mut setup = case.setup();
-    let thin = case.point.flags & POINT_THIN_WALLED != 0;
-    let eta = if thin { 1.0 } else { f64::from(case.point.ior_far.x / case.point.ior_near.x) };
-    let scattered: f64 = Bins::new(wo, eta)
+    let scattered: f64 = case
+        .bins(wo)
         .integrate(ENERGY, |wi| {
             let value = setup.eval(wo, wi);
             [f64::from(value.diffuse.y + value.glossy.y)]

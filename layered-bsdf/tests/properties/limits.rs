@@ -47,6 +47,23 @@ fn coat_with_the_index_of_air_is_the_base() {
     assert!(difference(coat, diffuse(0.0)) < 1e-6);
 }
 
+/// From inside, a coating reflects everything beyond the critical angle, and Fresnel's share before.
+#[test]
+fn coats_reflect_totally_from_inside() {
+    let mirror = Tree::Specular { tint: WHITE, mode: ScatterMode::Reflect };
+    let coat = layer(Curve::Fresnel { ior: 1.5 }, 1.0, None, mirror, Tree::Black);
+    let mut setup = case(coat).setup();
+    setup.point = point(1.5, 1.0, POINT_INSIDE);
+    for (cos, expected) in [(0.7f32, 1.0), (0.3, 1.0), (1.0, 0.04)] {
+        let wo = direction(cos, 0.0);
+        // Energy: the weights of the samples that choose the layer.
+        let energy =
+            (0..4096).map(|i| setup.sample(wo, [0.3, 0.6, (i as f32 + 0.5) / 4096.0]).weight.x).sum::<f32>()
+                / 4096.0;
+        assert!((energy - expected).abs() < 1e-3, "{cos}: {energy}");
+    }
+}
+
 #[test]
 fn equal_color_and_scalar_curves_agree() {
     let top = ggx(0.3, 0.3, ScatterMode::Reflect);

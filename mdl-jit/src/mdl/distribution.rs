@@ -13,10 +13,10 @@
 
 use super::error::LowerError;
 use super::extend::GrowingGraph;
-use super::needs::TO_LOCAL;
-use layered_bsdf::prelude::{Curve, GlossyModel, ProgramError, ScatterMode, Tree};
+use super::needs::{OBJECT_SPACE, TO_LOCAL, WORLD_SPACE};
+use layered_bsdf::prelude::{Curve, GlossyModel, MAX_PARAMS, ProgramError, ScatterMode, Tree};
 use mdl_frontend::graph::{BinaryOp, NodeId, NodeKind, Op, Stage};
-use mdl_frontend::types::TypeId;
+use mdl_frontend::types::{Type, TypeId};
 use mdl_frontend::value::Value;
 
 /// Deepest nesting of distribution functions.
@@ -136,8 +136,16 @@ impl<S: Structure> Distributions<'_, S> {
                 &[u, v, tint, multiple, tangent, _],
             ) => self.glossy(glossy_model(name), [u, v, tint, multiple, tangent], ScatterMode::Reflect),
             ("sheen_bsdf", &[roughness, tint, multiple, base, _]) => {
-                self.sheen(roughness, tint, multiple, base, depth)?
+                let (roughness, tint) = (self.float(roughness), self.color(tint));
+                let lobe = Tree::Sheen { tint, roughness };
+                self.sheen(lobe, Curve::Sheen { roughness }, multiple, base, depth)?
             }
+            ("microflake_sheen_bsdf", &[roughness, tint, multiple, base, _]) => {
+                let (roughness, tint) = (self.float(roughness), self.color(tint));
+                let lobe = Tree::MicroflakeSheen { tint, roughness };
+                self.sheen(lobe, Curve::Microflake { roughness }, multiple, base, depth)?
+            }
+            ("dusty_diffuse_reflection_bsdf", &[tint, _]) => Tree::DustyDiffuse { tint: self.color(tint) },
             ("tint", &[tint, base]) => self.tinted(tint, None, base, depth)?,
             ("tint", &[reflection, transmission, base]) => {
                 self.tinted(reflection, Some(transmission), base, depth)?
@@ -147,6 +155,35 @@ impl<S: Structure> Distributions<'_, S> {
             }
             ("directional_factor", &[normal, grazing, exponent, base]) => {
                 self.directional(normal, grazing, None, exponent, base, depth)?
+            }
+            ("thin_film", &[thickness, ior, base]) => {
+                let (thickness, ior) = (self.float(thickness), self.color(ior));
+                over(self.nested(base, depth)?, |base| Tree::ThinFilm { thickness, ior, base })
+            }
+            ("fresnel_factor", &[ior, extinction, base]) => {
+                let (ior, extinction) = (self.color(ior), self.color(extinction));
+                over(self.nested(base, depth)?, |base| Tree::FresnelFactor { ior, extinction, base })
+            }
+            ("coat_absorption_factor", &[ior, coefficient, thickness, base]) => {
+                let (ior, coefficient) = (self.color(ior), self.color(coefficient));
+                let thickness = self.float(thickness);
+                over(self.nested(base, depth)?, |base| Tree::CoatAbsorption {
+                    ior,
+                    coefficient,
+                    thickness,
+                    base,
+                })
+            }
+            ("measured_curve_factor", &[curve, base]) => {
+                let curve = self.colors(curve)?;
+                over(self.nested(base, depth)?, |base| Tree::MeasuredFactor { curve, base })
+            }
+            (
+                "measured_curve_layer" | "color_measured_curve_layer",
+                &[curve, weight, layer, base, normal],
+            ) => {
+                let curve = Curve::Measured { values: self.colors(curve)? };
+                self.layer(curve, weight, layer, base, normal, depth)?
             }
             ("weighted_layer" | "color_weighted_layer", &[weight, layer, base, normal]) => {
                 self.layer(Curve::Constant, weight, layer, base, normal, depth)?
@@ -190,6 +227,9 @@ impl<S: Structure> Distributions<'_, S> {
                 self.mix(Mix::Unbounded, components, depth)?
             }
             ("diffuse_edf", _) if ty == TypeId::EDF => Tree::DiffuseEdf,
+            ("spot_edf", &[exponent, spread, global, frame, _]) => {
+                self.spot([exponent, spread, global, frame])?
+            }
             (function, _) => return Err(LowerError::Distribution(format!("`df::{function}`"))),
         })
     }
@@ -213,22 +253,36 @@ impl<S: Structure> Distributions<'_, S> {
     /// Sheen over what scatters below it.
     fn sheen(
         &mut self,
-        roughness: NodeId,
-        tint: NodeId,
+        lobe: Tree<Param>,
+        curve: Curve<Param>,
         multiple: NodeId,
         base: NodeId,
         depth: usize,
     ) -> Result<Tree<Param>, LowerError> {
-        let roughness = self.float(roughness);
-        let lobe = Tree::Sheen { tint: self.color(tint), roughness };
         let Some(multiple) = self.color_unless(multiple, 0.0) else { return Ok(lobe) };
         Ok(match self.nested(base, depth)? {
             Tree::Black => lobe,
             base => {
                 let base = Tree::Tint { tint: multiple, transmission: None, base: Box::new(base) };
-                layered(Curve::Sheen { roughness }, [Param::Const(1.0); 3], None, lobe, base)
+                layered(curve, [Param::Const(1.0); 3], None, lobe, base)
             }
         })
+    }
+
+    /// A cone of light: around the normal, or around the z axis of a frame in object space.
+    fn spot(&mut self, [exponent, spread, global, frame]: [NodeId; 4]) -> Result<Tree<Param>, LowerError> {
+        let (exponent, spread) = (self.float(exponent), self.float(spread));
+        let mut axis = None;
+        if self.structure.integer(self.graph, global)? != 0 {
+            let column = self.graph.member(frame, 2, TypeId::FLOAT3);
+            let spaces = [OBJECT_SPACE, WORLD_SPACE].map(Value::Int);
+            let [from, to] = spaces.map(|space| self.graph.constant(space, TypeId::INT));
+            let args = vec![from, to, column];
+            let name = "::state::transform_vector";
+            let world = self.graph.builtin(name, args, TypeId::FLOAT3, Stage::Varying);
+            axis = Some(self.local(world));
+        }
+        Ok(Tree::SpotEdf { exponent, spread, axis })
     }
 
     fn tinted(
@@ -368,6 +422,23 @@ impl<S: Structure> Distributions<'_, S> {
         Ok(parts)
     }
 
+    /// The elements of an array of colours.
+    fn colors(&mut self, array: NodeId) -> Result<Vec<[Param; 3]>, LowerError> {
+        let ty = self.graph.graph.node(array).ty;
+        let Type::Array { size, .. } = *self.graph.graph.types.get(ty) else {
+            return Err(LowerError::Distribution("a measured curve that is no array".to_string()));
+        };
+        if size > MAX_PARAMS / 3 {
+            return Err(ProgramError::TooManyParams.into());
+        }
+        let mut colors = Vec::new();
+        for index in 0..size {
+            let color = self.graph.member(array, index, TypeId::COLOR);
+            colors.push(self.color(color));
+        }
+        Ok(colors)
+    }
+
     fn black_components(&mut self, array: &Value) -> Vec<(NodeId, NodeId)> {
         let mut parts = Vec::new();
         for element in array.elements() {
@@ -450,6 +521,11 @@ impl<S: Structure> Distributions<'_, S> {
         let local = self.graph.builtin(TO_LOCAL, vec![vector], TypeId::FLOAT3, Stage::Varying);
         [0, 1, 2].map(|i| Param::Node(local, i))
     }
+}
+
+/// A modifier of `base`; of what is black nothing remains.
+fn over(base: Tree<Param>, modifier: impl FnOnce(Box<Tree<Param>>) -> Tree<Param>) -> Tree<Param> {
+    if base == Tree::Black { base } else { modifier(Box::new(base)) }
 }
 
 /// The model of a glossy function.

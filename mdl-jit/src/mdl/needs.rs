@@ -165,6 +165,8 @@ pub fn same_space(constants: &[Option<i32>]) -> bool {
 
 /// `state::coordinate_object`
 pub const OBJECT_SPACE: i32 = 1;
+/// `state::coordinate_world`
+pub const WORLD_SPACE: i32 = 2;
 
 /// The texture spaces that an index can name.
 pub fn spaces(index: Option<i32>) -> std::ops::Range<usize> {
