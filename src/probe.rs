@@ -224,7 +224,7 @@ pub(crate) fn set_flat(
         TextureTangentV0 | TextureTangentV1 | TextureTangentV2 | TextureTangentV3 | FrameY => {
             state.set(field, index, [0.0, 1.0, 0.0]);
         }
-        Motion => state.set(field, index, [0.0; 3]),
+        Motion | Direction => state.set(field, index, [0.0; 3]),
         ObjectId | Instance => state.set(field, index, [f32::from_bits(0)]),
     }
 }

@@ -10,6 +10,9 @@ pub enum LowerError {
     /// A type that has no representation yet.
     #[error("values of type `{0}` are not supported yet where they are computed per shading point")]
     Type(String),
+    /// A function that gives no colour is asked for the light of an environment.
+    #[error("an environment is a function that gives a `color`, not `{0}`")]
+    Environment(String),
     /// A conversion between types that has no implementation yet.
     #[error("a conversion from `{from}` to `{to}` is not supported yet")]
     Conversion {

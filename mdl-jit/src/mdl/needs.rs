@@ -117,6 +117,7 @@ impl Needs {
             "::state::normal" => add(StateField::Normal),
             "::state::geometry_normal" => add(StateField::GeometryNormal),
             "::state::motion" => add(StateField::Motion),
+            "::state::direction" => add(StateField::Direction),
             "::state::object_id" => add(StateField::ObjectId),
             "::state::animation_time" => self.time = true,
             "::state::texture_coordinate" => spaces(space).for_each(|i| add(texture_coordinate(i))),

@@ -19,6 +19,7 @@ pub fn row(function: &str) -> Option<Row> {
         "normal" => Code(|l, _, _| Ok(field(l, StateField::Normal))),
         "geometry_normal" => Code(|l, _, _| Ok(field(l, StateField::GeometryNormal))),
         "motion" => Code(|l, _, _| Ok(field(l, StateField::Motion))),
+        "direction" => Code(|l, _, _| Ok(field(l, StateField::Direction))),
         "object_id" => Code(|l, _, _| Ok(field(l, StateField::ObjectId))),
         "animation_time" => Code(|l, _, _| {
             let state = l.state.expect("a function that reads the state has it");
