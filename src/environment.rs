@@ -30,7 +30,6 @@ const ROWS: usize = 512;
 pub struct EnvironmentFunction {
     name: String,
     inputs: Inputs,
-    /// Numbered as the resources of the graph are.
     textures: TextureTable,
 }
 

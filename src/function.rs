@@ -9,7 +9,7 @@ use mdl_jit::material::Runtime;
 use mdl_jit::mdl::function::Results;
 use mdl_jit::mdl::{CompiledFunction, LowerError};
 use mdl_jit::state::{StateBatch, StateField};
-use mdl_jit::texture::TextureTable;
+use mdl_jit::texture::Renumbered;
 use mdl_jit::{Executor, Program};
 
 /// A function of values, such as a noise or a pattern, with its arguments.
@@ -30,18 +30,16 @@ pub struct Function {
     name: String,
     code: CompiledFunction,
     arguments: Vec<Value>,
-    /// Numbered as the resources of the graph are.
-    textures: TextureTable,
+    textures: Textures,
 }
 
 impl Function {
     pub(crate) fn new(module: &Module, graph: &FunctionGraph) -> Result<Self, Error> {
         let name = graph.name.to_string();
         let textures = Textures::load([(module, &graph.graph.resources[..])])?;
-        debug_assert!(textures.numbers[0].iter().enumerate().all(|(i, n)| i == *n as usize));
         let arguments = mdl_jit::mdl::material::arguments_of(&graph.graph);
         let code = CompiledFunction::new(graph).map_err(failed(&name))?;
-        Ok(Self { name, code, arguments, textures: textures.table })
+        Ok(Self { name, code, arguments, textures })
     }
 
     /// Name of the type of the result.
@@ -98,7 +96,9 @@ impl Function {
 
     fn evaluate(&mut self, executor: Executor<'_>, state: &StateBatch) -> Result<Results, Error> {
         let transforms = &crate::probe::IDENTITY;
-        let runtime = Runtime { textures: &self.textures, transforms, animation_time: 0.0 };
+        let Textures { table, numbers } = &self.textures;
+        let textures = Renumbered { textures: table, numbers: &numbers[0] };
+        let runtime = Runtime { textures: &textures, transforms, animation_time: 0.0 };
         self.code.run(executor, &self.arguments, state, &runtime).map_err(failed(&self.name))
     }
 }

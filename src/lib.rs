@@ -14,6 +14,7 @@ pub mod probe;
 pub mod scene;
 pub mod session;
 mod textures;
+mod tiles;
 
 pub use costs::Costs;
 pub use environment::EnvironmentFunction;

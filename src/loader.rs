@@ -3,6 +3,7 @@
 //! Files are read only below a search root: names come from the front end without `.` and `..`, and a
 //! link that leads out of its root is refused.
 
+use crate::tiles;
 use mdl_frontend::graph::ResourceKind;
 use mdl_frontend::loader::{LoadError, LoadedSource, Loader, ModuleIdentity, ResolvedResource};
 use std::collections::BTreeMap;
@@ -94,6 +95,18 @@ fn below(root: &Path, relative: &Path) -> Option<PathBuf> {
     (path.starts_with(root) && path.is_file()).then_some(path)
 }
 
+/// A set of tiles below a root, if it has any: the path with its marker.
+fn tile_set(root: &Path, relative: &Path) -> Result<Option<PathBuf>, LoadError> {
+    let (Some(folder), Some(name)) = (relative.parent(), relative.file_name()) else { return Ok(None) };
+    let Ok(folder) = root.join(folder).canonicalize() else { return Ok(None) };
+    if !folder.starts_with(root) {
+        return Ok(None);
+    }
+    let set = folder.join(name);
+    let tiles = tiles::tiles(&set).map_err(LoadError)?;
+    Ok((!tiles.is_empty()).then_some(set))
+}
+
 impl Loader for FileLoader {
     fn load(
         &self,
@@ -138,8 +151,16 @@ impl Loader for FileLoader {
         let relative = Path::new(path.trim_start_matches('/'));
         let mut roots = self.roots();
         roots.sort_by_key(|root| root.to_str() != Some(&from.root));
+        let name = relative.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if name.contains("<#") {
+            return Err(LoadError("sequences of frames are not supported".to_string()));
+        }
         for root in roots {
-            if let Some(path) = below(&root, relative) {
+            let found = match tiles::is_set(relative) {
+                true => tile_set(&root, relative)?,
+                false => below(&root, relative),
+            };
+            if let Some(path) = found {
                 return Ok(Some(ResolvedResource {
                     path: path.display().to_string().into(),
                     root: root.display().to_string().into(),

@@ -23,9 +23,7 @@ const MODULES: [(&str, usize, usize); 5] = [
 
 /// What does not compile yet, because it calls what the compiler does not carry. An entry that starts to
 /// compile fails the test: remove it.
-const NOT_YET: [(&str, &str); 7] = [
-    ("::base::lookup_volume_coefficients", "lookups of texture_3d"),
-    ("::base::volume_blackbody_emission", "lookups of texture_3d"),
+const NOT_YET: [(&str, &str); 5] = [
     ("::nvidia::core_definitions::apply_thinfilm", "df::thin_film"),
     ("::nvidia::core_definitions::apply_colorfalloff", "df::measured_curve_factor"),
     ("::nvidia::core_definitions::apply_colorfalloff_v2", "df::measured_curve_factor"),

@@ -1,12 +1,15 @@
 //! Pictures as input: environments and textures; and pictures of plain floats as files.
 
 pub mod exr;
+pub mod grid;
 pub mod load;
+pub mod select;
 pub mod texture;
 
 pub use self::exr::{read_exr, write_exr};
+pub use grid::load_grid;
 pub use load::{ImageError, ImageLimits, load_environment};
-pub use texture::{Gamma, TextureImage, load_texture};
+pub use texture::{Gamma, TextureImage, load_selected_texture, load_texture};
 
 /// Linear colour, three floats per pixel.
 #[derive(Clone, Debug, Default, PartialEq)]
