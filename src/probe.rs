@@ -214,7 +214,7 @@ pub(crate) fn set_flat(
     use StateField::*;
     match field {
         Position => state.set(field, index, position),
-        Normal | GeometryNormal | FrameZ => state.set(field, index, [0.0, 0.0, 1.0]),
+        Normal | GeometryNormal | FrameZ | Toward => state.set(field, index, [0.0, 0.0, 1.0]),
         TextureCoordinate0 | TextureCoordinate1 | TextureCoordinate2 | TextureCoordinate3 => {
             state.set(field, index, uvw);
         }

@@ -6,7 +6,9 @@ use crate::tiles::{Tile, is_set, tiles};
 use mdl_frontend::Failure;
 use mdl_frontend::graph::{GammaMode, Resource, ResourceKind};
 use mdl_jit::texture::{Entry, NO_TEXTURE, TextureError, TextureTable};
-use renderer::images::{Gamma, ImageError, ImageLimits, TextureImage, load_grid, load_selected_texture};
+use renderer::images::{
+    Gamma, ImageError, ImageLimits, TextureImage, load_grid, load_profile, load_selected_texture,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -113,9 +115,10 @@ fn load(resource: &Resource) -> Result<Loaded, String> {
         ResourceKind::TextureCube | ResourceKind::TexturePtex => {
             Err("textures for cubes and Ptex textures are not supported".to_string())
         }
-        ResourceKind::LightProfile | ResourceKind::BsdfMeasurement => {
-            Err("resources of this kind are not supported yet".to_string())
+        ResourceKind::LightProfile => {
+            load_profile(path).map(|profile| Loaded::Image(profile.to_texture())).map_err(|e| e.cause)
         }
+        ResourceKind::BsdfMeasurement => Err("measured BSDFs are not supported yet".to_string()),
     }
 }
 

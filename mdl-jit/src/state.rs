@@ -69,6 +69,8 @@ fields! {
     FrameY: 3;
     /// z axis of the local frame: the shading normal on the side of the viewer.
     FrameZ: 3;
+    /// For emission: where it is seen from, unit length; zero otherwise.
+    Toward: 3;
     /// `state::object_id()`, bits of an `i32`.
     ObjectId: 1;
     /// Index of the instance, bits of a `u32`: selects its transforms.

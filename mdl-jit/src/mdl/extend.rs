@@ -102,9 +102,10 @@ impl GrowingGraph {
     }
 }
 
-/// Whether an intrinsic function asks for sizes or values of a texture.
+/// Whether an intrinsic function asks for sizes or values of a texture or light profile.
 fn looks_up_texture(builtin: &str) -> bool {
     builtin.starts_with("::tex::") && builtin != "::tex::texture_isvalid"
+        || matches!(builtin, "::df::light_profile_power" | "::df::light_profile_maximum")
 }
 
 /// Which functions look up textures, themselves or by calls. Callees come before their callers.

@@ -143,6 +143,10 @@ impl Needs {
             {
                 add(StateField::Instance);
             }
+            PROFILE_LOCAL => {
+                [StateField::FrameX, StateField::FrameZ, StateField::Toward].into_iter().for_each(add);
+            }
+            PROFILE_GLOBAL => [StateField::Toward, StateField::Instance].into_iter().for_each(add),
             TO_LOCAL => {
                 [StateField::FrameX, StateField::FrameY, StateField::FrameZ].into_iter().for_each(add)
             }
@@ -154,6 +158,13 @@ impl Needs {
 /// The frame's components of a vector: how normals and tangents of layers reach the evaluator. No module
 /// declares it; the compiler of distribution functions adds it to the graph.
 pub const TO_LOCAL: &str = "::state::to_local";
+
+/// What a light profile sends to the viewer, with its axis along the normal and a tangent: π times the EDF
+/// of `df::measured_edf`. No module declares it.
+pub const PROFILE_LOCAL: &str = "::state::profile_local";
+
+/// The same with a frame in object space for all points.
+pub const PROFILE_GLOBAL: &str = "::state::profile_global";
 
 /// Whether a transformation is known to change nothing: internal space is world space.
 pub fn same_space(constants: &[Option<i32>]) -> bool {

@@ -44,6 +44,8 @@ pub fn row(function: &str) -> Option<Row> {
         "wavelength_min" => Code(|l, _, _| Ok(l.b.f32(380.0))),
         "wavelength_max" => Code(|l, _, _| Ok(l.b.f32(780.0))),
         "to_local" => Code(to_local),
+        "profile_local" => Code(profile_local),
+        "profile_global" => Code(profile_global),
         _ => return None,
     })
 }
@@ -130,4 +132,18 @@ fn to_local(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> 
     let components = axes.map(|axis| l.b.math(MathFunction::Dot, &[axis, args[0].0]));
     let ty = l.b.float_type(3);
     Ok(l.b.compose(ty, components.to_vec()))
+}
+
+/// Arguments: light profile, tangent.
+fn profile_local(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> {
+    let [toward, x, z] = [StateField::Toward, StateField::FrameX, StateField::FrameZ].map(|of| field(l, of));
+    let profile = l.b.bitcast(args[0].0, naga::ScalarKind::Uint);
+    Ok(l.b.library("mdl_profile_local", vec![profile, toward, args[1].0, x, z]))
+}
+
+/// Arguments: light profile, frame.
+fn profile_global(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> {
+    let [toward, instance] = [StateField::Toward, StateField::Instance].map(|of| field(l, of));
+    let profile = l.b.bitcast(args[0].0, naga::ScalarKind::Uint);
+    Ok(l.b.library("mdl_profile_global", vec![profile, toward, instance, args[1].0]))
 }

@@ -40,6 +40,26 @@ pub fn row(module: &str, function: &str) -> Option<Row> {
     })
 }
 
+/// The row of a function of `::df` that reads a light profile, see `renderer/src/images/profile.rs`.
+pub fn profile_row(function: &str) -> Option<Row> {
+    use Row::Code;
+    Some(match function {
+        "light_profile_power" => Code(|l, args, _| Ok(profile_number(l, args, 0))),
+        "light_profile_maximum" => Code(|l, args, _| Ok(profile_number(l, args, 1))),
+        "light_profile_isvalid" => Code(is_valid),
+        _ => return None,
+    })
+}
+
+fn profile_number(l: &mut Lowering<'_, '_>, args: &[Arg], column: i32) -> Value {
+    let profile = l.b.bitcast(args[0].0, ScalarKind::Uint);
+    let place = [column, 0, 1].map(|c| l.b.i32(c)).to_vec();
+    let ty = l.b.number_type(ScalarKind::Sint, 3);
+    let place = l.b.compose(ty, place);
+    let texel = l.b.library("tex_texel_3d", vec![profile, place]);
+    l.b.part(texel, 0)
+}
+
 fn lookup(l: &mut Lowering<'_, '_>, args: &[Arg], components: u8) -> Value {
     let texture = l.b.bitcast(args[0].0, ScalarKind::Uint);
     let value = match (args[0].1, args) {
