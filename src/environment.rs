@@ -54,7 +54,12 @@ impl EnvironmentFunction {
         for (index, &direction) in directions.iter().enumerate() {
             state.set(StateField::Direction, index, direction);
         }
-        let runtime = Runtime { textures: &self.textures, transforms: &IDENTITY, animation_time: 0.0 };
+        let runtime = Runtime {
+            textures: &self.textures,
+            transforms: &IDENTITY,
+            animation_time: 0.0,
+            meters_per_unit: 1.0,
+        };
         let mut columns = Vec::new();
         self.inputs.run(&state, &runtime, &mut columns)?;
         let radiance: Vec<[f32; 3]> =

@@ -240,7 +240,12 @@ pub fn evaluate_inputs(material: &Material, part: Part, at: &SurfacePoint) -> Re
     let textures = material.textures()?;
     let shaded = material.with_textures(&textures.numbers[0])?;
     let inputs = shaded.inputs(part);
-    let runtime = Runtime { textures: &textures.table, transforms: &IDENTITY, animation_time: 0.0 };
+    let runtime = Runtime {
+        textures: &textures.table,
+        transforms: &IDENTITY,
+        animation_time: 0.0,
+        meters_per_unit: 1.0,
+    };
     let mut columns = Vec::new();
     inputs.run(&state, &runtime, &mut columns)?;
     Ok((0..inputs.uniform.len()).map(|output| inputs.value(&columns, output, 0)).collect())

@@ -247,6 +247,7 @@ fn renderings_that_cannot_be_fail_before_they_start() {
     fails(&["render", wood, "--size", "16", "-o", out], 2, &["WIDTHxHEIGHT"]);
     fails(&["render", wood, "--spp", "0", "-o", out], 2, &["--spp"]);
     fails(&["render", wood, "--time", "-1", "-o", out], 2, &["--time"]);
+    fails(&["render", wood, "--meters-per-unit", "0", "-o", out], 2, &["--meters-per-unit", "no length"]);
     fails(&["render", wood, "--no-such-flag", "-o", out], 2, &["--no-such-flag"]);
     fails(&["render", wood], 2, &["--output"]);
     fails(&["render", wood, "-o", "picture.gif"], 2, &["picture.gif", ".exr"]);

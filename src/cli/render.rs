@@ -37,6 +37,9 @@ pub struct Args {
     /// Give a parameter of that function a value, as an MDL expression
     #[arg(long = "env-arg", value_name = "NAME=VALUE", requires = "env")]
     env_arguments: Vec<Assignment>,
+    /// Length of a scene unit in metres, in place of the scene's own
+    #[arg(long, value_name = "METRES", value_parser = parse_length)]
+    meters_per_unit: Option<f32>,
     /// Size of the picture
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "512x512")]
     size: (u32, u32),
@@ -107,6 +110,9 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         Some("ball") => Scene::ball(),
         _ => Scene::open(&args.scene)?,
     };
+    if let Some(meters) = args.meters_per_unit {
+        scene.description_mut().meters_per_unit = meters;
+    }
     for note in scene.notes() {
         eprintln!("note: {note}");
     }
@@ -251,6 +257,13 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
     match png || is_exr(&path) {
         true => Ok(path),
         false => Err("a picture is a .png or an .exr file".to_string()),
+    }
+}
+
+fn parse_length(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(meters) if meters.is_normal() && meters > 0.0 => Ok(meters),
+        _ => Err(format!("`{text}` is no length")),
     }
 }
 

@@ -33,6 +33,12 @@ pub enum LowerError {
     /// The generated code did not validate: an error of this compiler.
     #[error("internal error: generated code is not valid: {0}")]
     Invalid(String),
+    /// The structure of a material depends on what is known only when something is rendered.
+    #[error(
+        "the structure depends on a texture, a transform, the number of the object or the unit of the scene, \
+         which is not supported"
+    )]
+    Structure,
     /// A uniform value could not be computed.
     #[error("a value that depends on arguments alone could not be computed: {0}")]
     Uniform(String),

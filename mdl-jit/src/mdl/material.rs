@@ -61,6 +61,9 @@ impl Structure for Decisions<'_> {
             Some(Value::Bool(x)) => return Ok(i32::from(*x)),
             _ => {}
         }
+        if graph.graph.node(node).stage == Stage::Varying {
+            return Err(LowerError::Structure);
+        }
         let stage = UniformStage::new(&graph.graph, vec![node], self.strings)?;
         let stage = stage.expect("one node was asked for");
         let values = stage.run(&graph.graph, self.arguments, self.strings)?;

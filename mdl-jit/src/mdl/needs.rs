@@ -8,19 +8,22 @@ use mdl_frontend::graph::{ExpressionKind, Function, Graph, NodeId, NodeKind, Op}
 use mdl_frontend::value as mdl;
 use naga::{Handle, Module, ScalarKind, Type};
 
-/// The state of one function: some fields, one after the other, then the time if it is asked for.
+/// The state of one function: some fields, one after the other, then the time and the scene's unit if they are
+/// asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// Fields of the state.
     pub fields: StateFields,
     /// `state::animation_time()`, one value for all points.
     pub time: bool,
+    /// `state::meters_per_scene_unit()`, one value for all points.
+    pub unit: bool,
 }
 
 impl Needs {
     /// Nothing is asked for: no state is passed.
     pub fn is_empty(&self) -> bool {
-        self.fields == StateFields::NONE && !self.time
+        self.fields == StateFields::NONE && !self.time && !self.unit
     }
 
     /// The struct type that carries the state.
@@ -39,9 +42,11 @@ impl Needs {
             };
             members.push((format!("{field:?}"), intern(module, inner)));
         }
-        if self.time {
-            let inner = naga::TypeInner::Scalar(super::types::scalar(ScalarKind::Float));
-            members.push(("time".to_string(), intern(module, inner)));
+        for (name, wanted) in [("time", self.time), ("unit", self.unit)] {
+            if wanted {
+                let inner = naga::TypeInner::Scalar(super::types::scalar(ScalarKind::Float));
+                members.push((name.to_string(), intern(module, inner)));
+            }
         }
         let inner = struct_inner(module, members)?;
         Ok(intern(module, inner))
@@ -56,6 +61,11 @@ impl Needs {
     /// The time.
     pub fn animation_time(&self, b: &mut FunctionBuilder<'_>, state: Value) -> Value {
         b.part(state, self.fields.iter().count() as u32)
+    }
+
+    /// The length of a scene unit in metres.
+    pub fn meters_per_unit(&self, b: &mut FunctionBuilder<'_>, state: Value) -> Value {
+        b.part(state, self.fields.iter().count() as u32 + u32::from(self.time))
     }
 
     /// What the nodes of a graph and the functions they call ask for.
@@ -120,6 +130,7 @@ impl Needs {
             "::state::direction" => add(StateField::Direction),
             "::state::object_id" => add(StateField::ObjectId),
             "::state::animation_time" => self.time = true,
+            "::state::meters_per_scene_unit" | "::state::scene_units_per_meter" => self.unit = true,
             "::state::texture_coordinate" => spaces(space).for_each(|i| add(texture_coordinate(i))),
             "::state::texture_tangent_u" | "::state::geometry_tangent_u" => {
                 spaces(space).for_each(|i| add(texture_tangent_u(i)));

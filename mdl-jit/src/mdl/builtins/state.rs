@@ -40,7 +40,11 @@ pub fn row(function: &str) -> Option<Row> {
         "transform_vector" => Code(|l, args, _| transformed(l, args, "mdl_transform_vector")),
         "transform_normal" => Code(|l, args, _| transformed(l, args, "mdl_transform_normal")),
         "transform_scale" => Code(|l, args, _| transformed(l, args, "mdl_transform_scale")),
-        "meters_per_scene_unit" | "scene_units_per_meter" => Code(|l, _, _| Ok(l.b.f32(1.0))),
+        "meters_per_scene_unit" => Code(|l, _, _| Ok(meters_per_unit(l))),
+        "scene_units_per_meter" => Code(|l, _, _| {
+            let (one, meters) = (l.b.f32(1.0), meters_per_unit(l));
+            Ok(l.b.div(one, meters))
+        }),
         "wavelength_min" => Code(|l, _, _| Ok(l.b.f32(380.0))),
         "wavelength_max" => Code(|l, _, _| Ok(l.b.f32(780.0))),
         "to_local" => Code(to_local),
@@ -54,6 +58,12 @@ fn field(l: &mut Lowering<'_, '_>, field: StateField) -> Value {
     let state = l.state.expect("a function that reads the state has it");
     let needs = l.needs.clone();
     needs.field(&mut l.b, state, field)
+}
+
+fn meters_per_unit(l: &mut Lowering<'_, '_>) -> Value {
+    let state = l.state.expect("a function that reads the state has it");
+    let needs = l.needs.clone();
+    needs.meters_per_unit(&mut l.b, state)
 }
 
 /// The integer that an argument is, if it is a literal.
