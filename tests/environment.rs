@@ -54,9 +54,8 @@ fn skies_agree_on_all_executors() {
         }
         for (executor, run) in executors {
             let found = function.along(run, &directions).expect("it runs");
-            let off = |(a, b): &(&[f32; 3], &[f32; 3])| {
-                (0..3).any(|i| !((a[i] - b[i]).abs() <= CLOSE * a[i].max(1e-6)))
-            };
+            let same = |a: f32, b: f32| (a - b).abs() <= CLOSE * a.max(1e-6);
+            let off = |(a, b): &(&[f32; 3], &[f32; 3])| !(0..3).all(|i| same(a[i], b[i]));
             let differing = exact.iter().zip(&found).filter(off).count();
             // The rim of the sun lies between two roundings of a direction.
             assert!(differing <= 2, "{name} {arguments:?} {executor}: {differing} directions differ");

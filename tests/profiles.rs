@@ -118,7 +118,7 @@ fn irradiance(lamp: &Material, mesh: Mesh, turn: DAffine3, at: [f64; 2]) -> f64 
     scene.assign("lamp", lamp).expect("there is such a slot");
     let settings = RenderSettings { width: 16, height: 16, spp: 64, max_bounces: 1, ..Default::default() };
     let mean = scene.render(&settings, &Silent).expect("it renders").film.mean();
-    f64::from(mean.y) * std::f64::consts::PI / 0.5
+    mean.y * std::f64::consts::PI / 0.5
 }
 
 /// A square of 2 mm that looks down, its texture along x.

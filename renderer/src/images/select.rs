@@ -77,3 +77,44 @@ pub(super) fn exr(bytes: &[u8], selector: &str, limits: &ImageLimits) -> Result<
     let texels = (0..size.area()).map(|i| [red[i], green[i], blue[i], alpha[i]]).collect();
     Ok(Decoded { width: size.width() as u32, height: size.height() as u32, texels: Texels::Floats(texels) })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::image::{AnyChannels, Layer};
+    use exr::meta::header::LayerAttributes;
+
+    /// Two texels of one part: a layer `diffuse` without blue, a channel `Z`.
+    fn layered() -> Vec<u8> {
+        let channel = |name: &str, values: [f32; 2]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
+        let list = [("diffuse.R", [1.0, 2.0]), ("diffuse.G", [3.0, 4.0]), ("Z", [5.0, 6.0])];
+        let channels =
+            AnyChannels::sort(list.map(|(name, values)| channel(name, values)).into_iter().collect());
+        let part = LayerAttributes::named("beauty");
+        let layer = Layer::new((2, 1), part, Encoding::FAST_LOSSLESS, channels);
+        let mut out = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut out).expect("a small file");
+        out.into_inner()
+    }
+
+    #[test]
+    fn channels_and_layers_are_found_by_name() {
+        let bytes = layered();
+        let second = |selector: &str| {
+            let decoded = exr(&bytes, selector, &ImageLimits::default()).expect(selector);
+            let Texels::Floats(texels) = decoded.texels else { panic!("floats") };
+            texels[1]
+        };
+        for (selector, expected) in [
+            ("Z", [6.0, 6.0, 6.0, 1.0]),
+            ("beauty.Z", [6.0, 6.0, 6.0, 1.0]),
+            ("diffuse.G", [4.0, 4.0, 4.0, 1.0]),
+            ("diffuse", [2.0, 4.0, 0.0, 1.0]),
+            ("beauty.diffuse", [2.0, 4.0, 0.0, 1.0]),
+        ] {
+            assert_eq!(second(selector), expected, "{selector}");
+        }
+        let error = exr(&bytes, "normal", &ImageLimits::default()).map(|_| ()).expect_err("there is none");
+        assert!(error.contains("`normal`") && error.contains("beauty.diffuse.R"), "{error}");
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! A map is looked up with bilinear interpolation. Directions are drawn by texel, in proportion to the mean
 //! of the interpolated luminance over the texel times its solid angle, and evenly in solid angle within.
-//! Texels may be grids of their own, see [`insets`]; those come from [`bake`].
+//! Texels may be grids of their own, see `insets`; those come from [`bake`].
 //!
 //! *Compensation*: where scattering is sampled as well, the map need only be sampled where it is brighter
 //! than its mean; the rest is left to scattering (O. Karlík, M. Šik, P. Vévoda, T. Skřivan, J. Křivánek,
