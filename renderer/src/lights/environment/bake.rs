@@ -1,9 +1,9 @@
 //! Bakes an environment that is a function of direction into a map with insets.
 //!
-//! Every texel of the map is the mean of [`COARSE`]² samples. Texels whose samples differ by more light than
-//! [`WORTH`] of all light become [`Inset`]s, each cell of which is the mean of [`FINE`]² samples. So do their
-//! neighbours: a disk may reach into them between their samples, and what is interpolated must not mix with
-//! what is not. The brightest texels are looked at closely in any case: a glow leads to a disk that all
+//! Every texel of the map is the mean of [`COARSE`]² samples. Texels whose samples, with those around them,
+//! differ by more light than [`WORTH`] of all light become [`Inset`]s, each cell of which is the mean of
+//! [`FINE`]² samples. So do their neighbours: a disk may reach into them between their samples, and what is
+//! interpolated must not mix with what is not. The brightest texels are looked at closely in any case: a glow leads to a disk that all
 //! samples missed.
 //!
 //! What is lost: a feature narrower than 1/[`COARSE`] of a texel that nothing announces, and what insets
@@ -35,8 +35,9 @@ pub const MOST: usize = 4096;
 #[derive(Clone, Copy)]
 struct Texel {
     mean: Vec3,
-    /// Difference in luminance of the brightest and the darkest sample, times solid angle.
-    range: f32,
+    /// Luminance of the darkest and of the brightest sample.
+    least: f32,
+    most: f32,
     /// Mean luminance times solid angle.
     light: f32,
 }
@@ -112,8 +113,18 @@ impl<F> Bake<F> {
             sum += sample;
             count += 1.0;
         }
-        let (mean, solid_angle) = (sum / count, self.solid_angle(y));
-        Texel { mean, range: (most - least) * solid_angle, light: luminance(mean) * solid_angle }
+        let mean = sum / count;
+        Texel { mean, least, most, light: luminance(mean) * self.solid_angle(y) }
+    }
+
+    /// Difference of the brightest and the darkest sample of a texel and those around it, times solid angle:
+    /// an edge may lie between the last samples of one and the first of the next.
+    fn range(&self, texels: &[Texel], texel: u32) -> f32 {
+        let own = &texels[texel as usize];
+        let around = self.neighbours(texel).map(|i| &texels[i as usize]);
+        let (least, most) =
+            around.fold((own.least, own.most), |(least, most), t| (least.min(t.least), most.max(t.most)));
+        (most - least) * self.solid_angle(texel as usize / self.width)
     }
 
     /// The texels that are worth it, and those around them, as insets.
@@ -128,14 +139,16 @@ impl<F> Bake<F> {
             let brightness = |i: u32| luminance(texels[i as usize].mean);
             brightness(b).total_cmp(&brightness(a)).then(a.cmp(&b))
         });
-        let rough = (0..texels.len() as u32).filter(|&i| texels[i as usize].range > worth);
+        let ranges: Vec<f32> =
+            (0..texels.len() as u32).into_par_iter().map(|i| self.range(texels, i)).collect();
+        let rough = (0..texels.len() as u32).filter(|&i| ranges[i as usize] > worth);
         let mut next: Vec<u32> = rough.chain(brightest.into_iter().take(BRIGHTEST)).collect();
         let (mut insets, mut taken) = (Vec::new(), BTreeSet::new());
         let mut first = true;
         while !next.is_empty() && insets.len() < MOST {
             // Those that matter most come first, where there are too many.
             next.sort_by(|&a, &b| {
-                let range = |i: u32| texels[i as usize].range;
+                let range = |i: u32| ranges[i as usize];
                 range(b).total_cmp(&range(a)).then(a.cmp(&b))
             });
             next.dedup();
@@ -174,7 +187,8 @@ impl<F> Bake<F> {
             };
             *pixel = ((0..FINE).map(line).sum::<Vec3>() / (FINE * FINE) as f32).to_array();
         }
-        Ok((Inset { texel, pixels }, self.texel(samples.into_iter(), y).range))
+        let own = self.texel(samples.into_iter(), y);
+        Ok((Inset { texel, pixels }, (own.most - own.least) * self.solid_angle(y)))
     }
 
     /// The texels around one; columns wrap around, rows end.
