@@ -41,7 +41,12 @@ impl Costs {
                 set_flat(&mut state, field, i, at, at);
             }
         }
-        let runtime = Runtime { textures: &textures.table, transforms: &IDENTITY, animation_time: 0.0 };
+        let runtime = Runtime {
+            textures: &textures.table,
+            transforms: &IDENTITY,
+            animation_time: 0.0,
+            meters_per_unit: 1.0,
+        };
         let mut columns = Vec::new();
         let inputs_ns = match inputs.is_uniform() {
             true => 0.0,

@@ -6,9 +6,10 @@ use crate::textures::Textures;
 use mdl_frontend::graph::FunctionGraph;
 use mdl_frontend::value::Value;
 use mdl_jit::material::Runtime;
+use mdl_jit::mdl::function::Results;
 use mdl_jit::mdl::{CompiledFunction, LowerError};
 use mdl_jit::state::{StateBatch, StateField};
-use mdl_jit::texture::TextureTable;
+use mdl_jit::texture::Renumbered;
 use mdl_jit::{Executor, Program};
 
 /// A function of values, such as a noise or a pattern, with its arguments.
@@ -29,20 +30,16 @@ pub struct Function {
     name: String,
     code: CompiledFunction,
     arguments: Vec<Value>,
-    /// Numbered as the resources of the graph are.
-    textures: TextureTable,
+    textures: Textures,
 }
 
 impl Function {
     pub(crate) fn new(module: &Module, graph: &FunctionGraph) -> Result<Self, Error> {
         let name = graph.name.to_string();
         let textures = Textures::load([(module, &graph.graph.resources[..])])?;
-        debug_assert!(textures.numbers[0].iter().enumerate().all(|(i, n)| i == *n as usize));
-        let zero = |ty| Value::zero(&graph.graph.types, ty);
-        let parameters = graph.graph.parameters.iter();
-        let arguments = parameters.map(|p| p.default.clone().unwrap_or_else(|| zero(p.ty))).collect();
+        let arguments = mdl_jit::mdl::material::arguments_of(&graph.graph);
         let code = CompiledFunction::new(graph).map_err(failed(&name))?;
-        Ok(Self { name, code, arguments, textures: textures.table })
+        Ok(Self { name, code, arguments, textures })
     }
 
     /// Name of the type of the result.
@@ -65,20 +62,21 @@ impl Function {
     /// the top: the first three leaves, or the first in all of them.
     pub fn grid(&mut self, executor: Executor<'_>, width: u32, height: u32) -> Result<Vec<[f32; 3]>, Error> {
         let results = self.points(executor, width, height)?;
-        let leaf = |leaf: usize, point: usize| match results.columns.get(leaf) {
-            Some(column) if results.columns.len() >= 3 || leaf == 0 => column[point] as f32,
-            _ => results.columns.first().map_or(0.0, |column| column[point] as f32),
-        };
-        let points = width as usize * height as usize;
-        Ok((0..points).map(|point| [leaf(0, point), leaf(1, point), leaf(2, point)]).collect())
+        Ok(triples(&results, width as usize * height as usize))
     }
 
-    fn points(
-        &mut self,
-        executor: Executor<'_>,
-        width: u32,
-        height: u32,
-    ) -> Result<mdl_jit::mdl::function::Results, Error> {
+    /// The result for each of a list of directions in which the environment is looked up, as by
+    /// [`Function::grid`].
+    pub fn along(&mut self, executor: Executor<'_>, directions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
+        let mut state = StateBatch::default();
+        state.reset(directions.len(), self.code.state_fields());
+        for (index, &direction) in directions.iter().enumerate() {
+            state.set(StateField::Direction, index, direction);
+        }
+        Ok(triples(&self.evaluate(executor, &state)?, directions.len()))
+    }
+
+    fn points(&mut self, executor: Executor<'_>, width: u32, height: u32) -> Result<Results, Error> {
         let mut state = StateBatch::default();
         let fields = self.code.state_fields();
         state.reset(width as usize * height as usize, fields);
@@ -93,10 +91,25 @@ impl Function {
                 state.set(StateField::ObjectId, index, [0.0]);
             }
         }
-        let transforms = &crate::probe::IDENTITY;
-        let runtime = Runtime { textures: &self.textures, transforms, animation_time: 0.0 };
-        self.code.run(executor, &self.arguments, &state, &runtime).map_err(failed(&self.name))
+        self.evaluate(executor, &state)
     }
+
+    fn evaluate(&mut self, executor: Executor<'_>, state: &StateBatch) -> Result<Results, Error> {
+        let transforms = &crate::probe::IDENTITY;
+        let Textures { table, numbers } = &self.textures;
+        let textures = Renumbered { textures: table, numbers: &numbers[0] };
+        let runtime = Runtime { textures: &textures, transforms, animation_time: 0.0, meters_per_unit: 1.0 };
+        self.code.run(executor, &self.arguments, state, &runtime).map_err(failed(&self.name))
+    }
+}
+
+/// The first three leaves of each point, or the first in all of them.
+fn triples(results: &Results, points: usize) -> Vec<[f32; 3]> {
+    let leaf = |leaf: usize, point: usize| match results.columns.get(leaf) {
+        Some(column) if results.columns.len() >= 3 || leaf == 0 => column[point] as f32,
+        _ => results.columns.first().map_or(0.0, |column| column[point] as f32),
+    };
+    (0..points).map(|point| [leaf(0, point), leaf(1, point), leaf(2, point)]).collect()
 }
 
 fn failed(name: &str) -> impl Fn(LowerError) -> Error {

@@ -5,6 +5,7 @@
 //! BSDF evaluated at a point ([`Material::at`]), and it can be put into a [`Scene`] and rendered.
 
 pub mod costs;
+pub mod environment;
 pub mod error;
 pub mod function;
 pub mod loader;
@@ -13,8 +14,10 @@ pub mod probe;
 pub mod scene;
 pub mod session;
 mod textures;
+mod tiles;
 
 pub use costs::Costs;
+pub use environment::EnvironmentFunction;
 pub use error::Error;
 pub use function::Function;
 pub use material::Material;

@@ -5,6 +5,7 @@
 //! link that leads out of its root is refused. Archives are files `package.mdr` directly in a root; they are
 //! opened when a module or resource of their package is asked for. An encapsulated file serves only itself.
 
+use crate::tiles;
 use mdl_frontend::container::Container;
 use mdl_frontend::graph::ResourceKind;
 use mdl_frontend::loader::{LoadError, LoadedSource, Loader, ModuleIdentity, ResolvedResource};
@@ -191,6 +192,18 @@ fn below(root: &Path, relative: &Path) -> Option<PathBuf> {
     (path.starts_with(root) && path.is_file()).then_some(path)
 }
 
+/// A set of tiles below a root, if it has any: the path with its marker.
+fn tile_set(root: &Path, relative: &Path) -> Result<Option<PathBuf>, LoadError> {
+    let (Some(folder), Some(name)) = (relative.parent(), relative.file_name()) else { return Ok(None) };
+    let Ok(folder) = root.join(folder).canonicalize() else { return Ok(None) };
+    if !folder.starts_with(root) {
+        return Ok(None);
+    }
+    let set = folder.join(name);
+    let tiles = tiles::tiles(&set).map_err(LoadError)?;
+    Ok((!tiles.is_empty()).then_some(set))
+}
+
 impl Loader for FileLoader {
     fn load(
         &self,
@@ -234,17 +247,26 @@ impl Loader for FileLoader {
         from: &ModuleIdentity,
     ) -> Result<Option<ResolvedResource>, LoadError> {
         let inside = path.trim_start_matches('/');
+        let relative = Path::new(inside);
+        let name = relative.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if name.contains("<#") {
+            return Err(LoadError("sequences of frames are not supported".to_string()));
+        }
         let folders: Vec<&str> = inside.split('/').collect();
         for place in self.places(&folders[..folders.len() - 1], Some(from))? {
             let found = match &place {
-                Place::Folder(root) => below(root, Path::new(inside)).map(|path| path.display().to_string()),
+                Place::Folder(root) if tiles::is_set(relative) => tile_set(root, relative)?,
+                Place::Folder(root) => below(root, relative),
                 Place::Container(file, container) => container
                     .resolve_resource(path, kind, from)?
-                    .map(|_| format!("{}:{inside}", file.display())),
+                    .map(|_| PathBuf::from(format!("{}:{inside}", file.display()))),
             };
             if let Some(path) = found {
                 let root = place.path().display().to_string();
-                return Ok(Some(ResolvedResource { path: path.into(), root: root.into() }));
+                return Ok(Some(ResolvedResource {
+                    path: path.display().to_string().into(),
+                    root: root.into(),
+                }));
             }
         }
         Ok(None)

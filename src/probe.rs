@@ -214,7 +214,7 @@ pub(crate) fn set_flat(
     use StateField::*;
     match field {
         Position => state.set(field, index, position),
-        Normal | GeometryNormal | FrameZ => state.set(field, index, [0.0, 0.0, 1.0]),
+        Normal | GeometryNormal | FrameZ | Toward => state.set(field, index, [0.0, 0.0, 1.0]),
         TextureCoordinate0 | TextureCoordinate1 | TextureCoordinate2 | TextureCoordinate3 => {
             state.set(field, index, uvw);
         }
@@ -224,7 +224,7 @@ pub(crate) fn set_flat(
         TextureTangentV0 | TextureTangentV1 | TextureTangentV2 | TextureTangentV3 | FrameY => {
             state.set(field, index, [0.0, 1.0, 0.0]);
         }
-        Motion => state.set(field, index, [0.0; 3]),
+        Motion | Direction => state.set(field, index, [0.0; 3]),
         ObjectId | Instance => state.set(field, index, [f32::from_bits(0)]),
     }
 }
@@ -240,7 +240,12 @@ pub fn evaluate_inputs(material: &Material, part: Part, at: &SurfacePoint) -> Re
     let textures = material.textures()?;
     let shaded = material.with_textures(&textures.numbers[0])?;
     let inputs = shaded.inputs(part);
-    let runtime = Runtime { textures: &textures.table, transforms: &IDENTITY, animation_time: 0.0 };
+    let runtime = Runtime {
+        textures: &textures.table,
+        transforms: &IDENTITY,
+        animation_time: 0.0,
+        meters_per_unit: 1.0,
+    };
     let mut columns = Vec::new();
     inputs.run(&state, &runtime, &mut columns)?;
     Ok((0..inputs.uniform.len()).map(|output| inputs.value(&columns, output, 0)).collect())

@@ -1,5 +1,6 @@
 //! Scenes with materials on them, rendered to memory.
 
+use crate::environment::EnvironmentFunction;
 use crate::error::Error;
 use crate::material::Material;
 use crate::textures::Textures;
@@ -92,6 +93,21 @@ impl Scene {
     pub fn set_environment(&mut self, file: impl AsRef<Path>) -> Result<(), Error> {
         let image = load_environment(file.as_ref(), &ImageLimits::default())?;
         self.description.environment = Environment::map(image);
+        Ok(())
+    }
+
+    /// Lights the scene with a function of `state::direction()` in place of its environment, such as
+    /// `::base::sun_and_sky`.
+    ///
+    /// ```
+    /// use lacquer::{Scene, Session};
+    ///
+    /// let sky = Session::new().import("::base")?.environment("sun_and_sky", &[("haze", "2.0")])?;
+    /// Scene::ball().set_environment_function(&sky)?;
+    /// # Ok::<(), lacquer::Error>(())
+    /// ```
+    pub fn set_environment_function(&mut self, function: &EnvironmentFunction) -> Result<(), Error> {
+        self.description.environment = function.bake()?;
         Ok(())
     }
 

@@ -1,11 +1,12 @@
 //! A session: where modules are found, and what has been checked.
 
+use crate::environment::EnvironmentFunction;
 use crate::error::Error;
 use crate::function::Function;
 use crate::loader::{FileLoader, read_module};
 use crate::material::Material;
 use mdl_frontend::diagnostics::{Diagnostic, render};
-use mdl_frontend::graph::Mode;
+use mdl_frontend::graph::{FunctionGraph, Mode};
 use mdl_frontend::loader::LoadedSource;
 use mdl_frontend::{Argument, CheckedModule, Compiler, FunctionInfo};
 use mdl_jit::mdl::InterpreterFolder;
@@ -202,11 +203,20 @@ impl Module {
     /// Compiles an exported function. One of several overloads is named with the types of its parameters,
     /// such as `f(float,int)`. Arguments are MDL expressions.
     pub fn function(&self, name: &str, arguments: &[(&str, &str)]) -> Result<Function, Error> {
+        Function::new(self, &self.graph(name, arguments)?)
+    }
+
+    /// Compiles an exported function that gives the light of the surroundings by `state::direction()`: its
+    /// result is a colour, or a struct that begins with one. Otherwise like [`Module::function`].
+    pub fn environment(&self, name: &str, arguments: &[(&str, &str)]) -> Result<EnvironmentFunction, Error> {
+        EnvironmentFunction::new(self, &self.graph(name, arguments)?)
+    }
+
+    fn graph(&self, name: &str, arguments: &[(&str, &str)]) -> Result<FunctionGraph, Error> {
         self.refuse_errors()?;
         let arguments: Vec<(&str, Argument)> =
             arguments.iter().map(|(name, text)| (*name, Argument::from(*text))).collect();
-        let graph = self.session.compiler().function_graph(&self.checked, name, Mode::Class, &arguments)?;
-        Function::new(self, &graph)
+        Ok(self.session.compiler().function_graph(&self.checked, name, Mode::Class, &arguments)?)
     }
 
     /// Errors of the module as an error.

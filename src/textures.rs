@@ -2,10 +2,13 @@
 
 use crate::error::Error;
 use crate::session::Module;
+use crate::tiles::{Tile, is_set, tiles};
 use mdl_frontend::Failure;
 use mdl_frontend::graph::{GammaMode, Resource, ResourceKind};
-use mdl_jit::texture::{Image, TextureTable};
-use renderer::images::{Gamma, ImageLimits, TextureImage, load_texture};
+use mdl_jit::texture::{Entry, NO_TEXTURE, TextureError, TextureTable};
+use renderer::images::{
+    Gamma, ImageError, ImageLimits, TextureImage, load_grid, load_profile, load_selected_texture,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,51 +20,127 @@ pub struct Textures {
     pub numbers: Vec<Vec<u32>>,
 }
 
+/// What makes a texture another one.
+#[derive(PartialEq)]
+struct Key {
+    path: Arc<str>,
+    kind: ResourceKind,
+    gamma: GammaMode,
+    selector: Arc<str>,
+}
+
+/// A texture that a resource is.
+enum Loaded {
+    Image(TextureImage),
+    Tiles {
+        columns: u32,
+        rows: u32,
+        /// By column and row: the number of an image among `images`, or [`NO_TEXTURE`].
+        numbers: Vec<u32>,
+        images: Vec<TextureImage>,
+    },
+}
+
 impl Textures {
     /// Loads the resources of `users`, each with the module whose text names them. The error of a file
     /// names the place in the source.
     pub fn load<'a>(users: impl IntoIterator<Item = (&'a Module, &'a [Resource])>) -> Result<Self, Error> {
-        let mut keys: Vec<(Arc<str>, GammaMode)> = Vec::new();
-        let mut images: Vec<TextureImage> = Vec::new();
+        let mut known: Vec<(Key, u32)> = Vec::new();
+        let mut loaded: Vec<Loaded> = Vec::new();
         let mut numbers = Vec::new();
         for (module, resources) in users {
             let mut own = Vec::new();
             for resource in resources {
-                let key = (resource.path.clone(), resource.gamma);
-                let known = keys.iter().position(|other| *other == key);
-                let number = match known {
+                let Resource { path, kind, gamma, selector, .. } = resource.clone();
+                let key = Key { path, kind, gamma, selector };
+                let number = known.iter().find(|(other, _)| *other == key).map(|(_, number)| *number);
+                own.push(match number {
                     Some(number) => number,
                     None => {
-                        images.push(load(module, resource)?);
-                        keys.push(key);
-                        images.len() - 1
+                        let texture = load(resource).map_err(|reason| -> Error {
+                            let source = module.source(&resource.span.file);
+                            Failure::unreadable(resource, reason, source).into()
+                        })?;
+                        let number = loaded.len() as u32;
+                        loaded.push(texture);
+                        known.push((key, number));
+                        number
                     }
-                };
-                own.push(number as u32);
+                });
             }
             numbers.push(own);
         }
-        let images: Vec<Image<'_>> = images.iter().map(TextureImage::as_image).collect();
-        let table = TextureTable::new(&images).map_err(|e| Error::Setting(e.to_string()))?;
+        let table = table(&mut loaded).map_err(|e| Error::Setting(e.to_string()))?;
         Ok(Self { table, numbers })
     }
 }
 
-fn load(module: &Module, resource: &Resource) -> Result<TextureImage, Error> {
-    let fail = |reason: String| -> Error {
-        let source = module.source(&resource.span.file);
-        Failure::unreadable(resource, reason, source).into()
-    };
-    if resource.kind != ResourceKind::Texture2d {
-        return Err(fail("only two-dimensional textures are supported yet".to_string()));
+/// The table: what resources are, in order, then the images of tiles.
+fn table(loaded: &mut [Loaded]) -> Result<TextureTable, TextureError> {
+    let mut next = loaded.len() as u32;
+    for texture in loaded.iter_mut() {
+        if let Loaded::Tiles { numbers, images, .. } = texture {
+            let there = numbers.iter_mut().filter(|number| **number != NO_TEXTURE);
+            there.for_each(|number| *number += next);
+            next += images.len() as u32;
+        }
     }
-    if !resource.selector.is_empty() {
-        return Err(fail(format!("the selector `{}` is not supported yet", resource.selector)));
+    let mut entries = Vec::new();
+    for texture in loaded.iter() {
+        entries.push(match texture {
+            Loaded::Image(image) => Entry::Image(image.as_image()),
+            Loaded::Tiles { columns, rows, numbers, .. } => {
+                Entry::Tiles { columns: *columns, rows: *rows, numbers }
+            }
+        });
     }
+    for texture in loaded.iter() {
+        if let Loaded::Tiles { images, .. } = texture {
+            entries.extend(images.iter().map(|image| Entry::Image(image.as_image())));
+        }
+    }
+    TextureTable::with_tiles(&entries)
+}
+
+/// Reads a resource, or says why it cannot be read.
+fn load(resource: &Resource) -> Result<Loaded, String> {
+    let path = Path::new(&*resource.path);
+    let limits = ImageLimits::default();
+    match resource.kind {
+        ResourceKind::Texture3d => {
+            load_grid(path, &resource.selector, &limits).map(Loaded::Image).map_err(|e| e.cause)
+        }
+        ResourceKind::Texture2d if is_set(path) => load_tiles(path, resource, &limits),
+        ResourceKind::Texture2d => load_2d(path, resource, &limits).map(Loaded::Image).map_err(|e| e.cause),
+        ResourceKind::TextureCube | ResourceKind::TexturePtex => {
+            Err("textures for cubes and Ptex textures are not supported".to_string())
+        }
+        ResourceKind::LightProfile => {
+            load_profile(path).map(|profile| Loaded::Image(profile.to_texture())).map_err(|e| e.cause)
+        }
+        ResourceKind::BsdfMeasurement => Err("measured BSDFs are not supported yet".to_string()),
+    }
+}
+
+fn load_tiles(set: &Path, resource: &Resource, limits: &ImageLimits) -> Result<Loaded, String> {
+    let tiles = tiles(set)?;
+    let side = |axis: usize| tiles.iter().map(|tile| tile.place[axis] + 1).max().unwrap_or(0);
+    let (columns, rows) = (side(0), side(1));
+    let mut numbers = vec![NO_TEXTURE; (columns * rows) as usize];
+    let mut images = Vec::new();
+    for Tile { place, file } in tiles {
+        numbers[(place[1] * columns + place[0]) as usize] = images.len() as u32;
+        let fail = |e: ImageError| format!("{}: {}", file.display(), e.cause);
+        images.push(load_2d(&file, resource, limits).map_err(fail)?);
+    }
+    Ok(Loaded::Tiles { columns, rows, numbers, images })
+}
+
+fn load_2d(path: &Path, resource: &Resource, limits: &ImageLimits) -> Result<TextureImage, ImageError> {
     let gamma = match resource.gamma {
         GammaMode::Default => Gamma::Default,
         GammaMode::Linear => Gamma::Linear,
         GammaMode::Srgb => Gamma::Srgb,
     };
-    load_texture(Path::new(&*resource.path), gamma, &ImageLimits::default()).map_err(|e| fail(e.cause))
+    load_selected_texture(path, &resource.selector, gamma, limits)
 }

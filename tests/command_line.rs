@@ -281,11 +281,17 @@ fn renderings_that_cannot_be_fail_before_they_start() {
     fails(&["render", wood, "--size", "16", "-o", out], 2, &["WIDTHxHEIGHT"]);
     fails(&["render", wood, "--spp", "0", "-o", out], 2, &["--spp"]);
     fails(&["render", wood, "--time", "-1", "-o", out], 2, &["--time"]);
+    fails(&["render", wood, "--meters-per-unit", "0", "-o", out], 2, &["--meters-per-unit", "no length"]);
     fails(&["render", wood, "--no-such-flag", "-o", out], 2, &["--no-such-flag"]);
     fails(&["render", wood], 2, &["--output"]);
     fails(&["render", wood, "-o", "picture.gif"], 2, &["picture.gif", ".exr"]);
     fails(&render(wood, "/no/such/folder/x.png", &[]), 1, &["/no/such/folder"]);
     fails(&render(wood, out, &["--env", "/no/such.hdr"]), 1, &["/no/such.hdr"]);
+    fails(&render(wood, out, &["--env", "::base::no_sky"]), 1, &["::base", "no_sky"]);
+    fails(&render(wood, out, &["--env", "::base"]), 2, &["::base", "sun_and_sky"]);
+    let unknown = ["--env", "::base::sun_and_sky", "--env-arg", "hase=1.0"];
+    fails(&render(wood, out, &unknown), 1, &["hase", "did you mean `haze`"]);
+    fails(&render(wood, out, &["--env", "a.hdr", "--env-arg", "haze=1.0"]), 2, &["a.hdr", "haze"]);
     fails(&render(wood, out, &["--scene", "/no/such.glb"]), 1, &["/no/such.glb"]);
     fails(&render(wood, out, &["--assign", "lid=::catalog::metal::gold"]), 1, &["lid", "stand"]);
     fails(&render(wood, out, &["--backend", "gpu"]), 1, &["GPU"]);

@@ -6,25 +6,36 @@
 use std::fmt;
 
 /// The names of the texture functions, in the order of [`STUBS`].
-pub const TEXTURE_FUNCTIONS: [&str; 3] = ["tex_lookup_2d", "tex_texel_2d", "tex_size_2d"];
+pub const TEXTURE_FUNCTIONS: [&str; 6] =
+    ["tex_lookup_2d", "tex_texel_2d", "tex_size_2d", "tex_lookup_3d", "tex_texel_3d", "tex_size_3d"];
 
 /// The texture functions as a module declares them. Arguments: number of the texture; coordinates, wrap
-/// modes and crop as in [`Lookup`](crate::texture::Lookup); column and row of a texel.
+/// modes and crop as in [`Lookup`](crate::texture::Lookup); column and row of a texel; column and row of a
+/// tile.
 pub const STUBS: &str = "
 fn tex_lookup_2d(texture: u32, coord: vec2<f32>, wrap: vec2<u32>, crop: vec4<f32>) -> vec4<f32> {
     return vec4<f32>();
 }
-fn tex_texel_2d(texture: u32, coord: vec2<i32>) -> vec4<f32> {
+fn tex_texel_2d(texture: u32, coord: vec2<i32>, tile: vec2<i32>) -> vec4<f32> {
     return vec4<f32>();
 }
-fn tex_size_2d(texture: u32) -> vec2<u32> {
+fn tex_size_2d(texture: u32, tile: vec2<i32>) -> vec2<u32> {
     return vec2<u32>();
+}
+fn tex_lookup_3d(texture: u32, coord: vec3<f32>, wrap: vec3<u32>, crop: vec4<f32>, crop_w: vec2<f32>) -> vec4<f32> {
+    return vec4<f32>();
+}
+fn tex_texel_3d(texture: u32, coord: vec3<i32>) -> vec4<f32> {
+    return vec4<f32>();
+}
+fn tex_size_3d(texture: u32) -> vec3<u32> {
+    return vec3<u32>();
 }
 ";
 
 /// The texture functions over a buffer of words, [`TextureTable::words`](crate::texture::TextureTable):
 /// for the GPU, or to be inlined in lanes.
-pub const TEXTURES: &str = include_str!("texture.wgsl");
+pub const TEXTURES: &str = include_str!("texture/texture.wgsl");
 
 /// One call: four lanes of every leaf of the arguments and of the result, as bits.
 #[derive(Debug)]

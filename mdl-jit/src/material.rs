@@ -62,6 +62,8 @@ pub struct Runtime<'a> {
     pub transforms: &'a [[f32; 4]],
     /// `state::animation_time()`
     pub animation_time: f32,
+    /// `state::meters_per_scene_unit()`
+    pub meters_per_unit: f32,
 }
 
 /// The varying outputs of one part, as code.

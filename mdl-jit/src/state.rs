@@ -2,6 +2,9 @@
 //!
 //! A renderer fills the columns that the materials of a batch need, and no others: [`StateFields`] says
 //! which. All vectors are in the renderer's world space, which is MDL's *internal* space here.
+//!
+//! A lookup of the environment has a state, too: its direction, and zero in all other fields, as
+//! [`StateBatch::reset`] leaves them; it is at the origin of an object that lies where the world has it.
 
 /// Texture spaces that a state can hold.
 pub const TEXTURE_SPACES: usize = 4;
@@ -34,6 +37,8 @@ fields! {
     GeometryNormal: 3;
     /// `state::motion()`
     Motion: 3;
+    /// `state::direction()`: where the environment is looked up, unit length; zero on surfaces.
+    Direction: 3;
     /// `state::texture_coordinate(0)`
     TextureCoordinate0: 3;
     /// `state::texture_coordinate(1)`
@@ -64,6 +69,8 @@ fields! {
     FrameY: 3;
     /// z axis of the local frame: the shading normal on the side of the viewer.
     FrameZ: 3;
+    /// For emission: where it is seen from, unit length; zero otherwise.
+    Toward: 3;
     /// `state::object_id()`, bits of an `i32`.
     ObjectId: 1;
     /// Index of the instance, bits of a `u32`: selects its transforms.
@@ -108,7 +115,8 @@ pub struct StateBatch {
 }
 
 impl StateBatch {
-    /// Makes room for `len` points with these fields. Memory is kept from earlier use; values are not.
+    /// Makes room for `len` points with these fields. Memory is kept from earlier use, and its values are
+    /// of no meaning; new memory holds zeros.
     pub fn reset(&mut self, len: usize, fields: StateFields) {
         self.len = len;
         self.fields = fields;

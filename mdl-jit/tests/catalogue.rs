@@ -83,7 +83,12 @@ fn every_material_compiles_and_its_inputs_are_finite() {
             for part in Part::ALL {
                 let inputs = material.inputs(part);
                 let state = states(inputs.state);
-                let runtime = Runtime { textures: &NoTextures, transforms: &IDENTITY, animation_time: 0.0 };
+                let runtime = Runtime {
+                    textures: &NoTextures,
+                    transforms: &IDENTITY,
+                    animation_time: 0.0,
+                    meters_per_unit: 1.0,
+                };
                 let mut columns = Vec::new();
                 inputs.run(&state, &runtime, &mut columns).unwrap_or_else(|e| panic!("{e}"));
                 for output in 0..inputs.uniform.len() {
@@ -105,7 +110,12 @@ fn modes_agree() {
             let run = |material: &Material| {
                 let inputs = material.inputs(part);
                 let state = states(inputs.state);
-                let runtime = Runtime { textures: &NoTextures, transforms: &IDENTITY, animation_time: 0.0 };
+                let runtime = Runtime {
+                    textures: &NoTextures,
+                    transforms: &IDENTITY,
+                    animation_time: 0.0,
+                    meters_per_unit: 1.0,
+                };
                 let mut columns = Vec::new();
                 inputs.run(&state, &runtime, &mut columns).unwrap_or_else(|e| panic!("{e}"));
                 let value = |output| (0..37).map(|p| inputs.value(&columns, output, p)).collect::<Vec<_>>();

@@ -132,8 +132,12 @@ pub fn render_with(
     let too_large = RenderError::LargeImage { width, height };
     let mut film = Film::new(width, height).ok_or(too_large)?;
     let shaders: Vec<Shader> = materials.iter().map(|m| Shader::new(m.clone())).collect();
-    let runtime =
-        Runtime { textures, transforms: &scene.transforms, animation_time: settings.animation_time };
+    let runtime = Runtime {
+        textures,
+        transforms: &scene.transforms,
+        animation_time: settings.animation_time,
+        meters_per_unit: scene.meters_per_unit,
+    };
     let shading = Shading { scene, shaders: &shaders, runtime: &runtime };
     let lights = lights(&shading, settings.strategy)?;
     let needs = Needs::new(scene, &shaders, &lights);
@@ -171,7 +175,12 @@ pub fn needs_with(
     let settings = RenderSettings::default();
     check(scene, materials, &settings)?;
     let shaders: Vec<Shader> = materials.iter().map(|m| Shader::new(m.clone())).collect();
-    let runtime = Runtime { textures, transforms: &scene.transforms, animation_time: 0.0 };
+    let runtime = Runtime {
+        textures,
+        transforms: &scene.transforms,
+        animation_time: 0.0,
+        meters_per_unit: scene.meters_per_unit,
+    };
     let lights = lights(&Shading { scene, shaders: &shaders, runtime: &runtime }, settings.strategy)?;
     Ok(Needs::new(scene, &shaders, &lights))
 }

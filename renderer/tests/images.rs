@@ -51,7 +51,7 @@ fn texture(path: &Path, gamma: Gamma) -> TextureImage {
 
 /// The texel at a column and a row from the bottom, as lookups see it.
 fn texel(image: &TextureImage, x: i32, y: i32) -> [f32; 4] {
-    TextureTable::new(&[image.as_image()]).expect("a small texture").texel_2d(0, [x, y])
+    TextureTable::new(&[image.as_image()]).expect("a small texture").texel_2d(0, [x, y], [0; 2])
 }
 
 fn exr_bytes(image: &FloatImage) -> Vec<u8> {

@@ -30,9 +30,16 @@ pub struct Args {
     /// Put a material into a slot of the scene (may be given several times)
     #[arg(long, value_name = "SLOT=MATERIAL")]
     assign: Vec<Assignment>,
-    /// Light the scene with this map by latitude and longitude (HDR, EXR, …)
-    #[arg(long, value_name = "MAP")]
-    env: Option<PathBuf>,
+    /// Light the scene with this map by latitude and longitude (HDR, EXR, …), or with a function of
+    /// directions: FILE.mdl::name or ::module::name, such as ::base::sun_and_sky
+    #[arg(long, value_name = "MAP|FUNCTION")]
+    env: Option<String>,
+    /// Give a parameter of that function a value, as an MDL expression
+    #[arg(long = "env-arg", value_name = "NAME=VALUE", requires = "env")]
+    env_arguments: Vec<Assignment>,
+    /// Length of a scene unit in metres, in place of the scene's own
+    #[arg(long, value_name = "METRES", value_parser = parse_length)]
+    meters_per_unit: Option<f32>,
     /// Size of the picture
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "512x512")]
     size: (u32, u32),
@@ -103,6 +110,9 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         Some("ball") => Scene::ball(),
         _ => Scene::open(&args.scene)?,
     };
+    if let Some(meters) = args.meters_per_unit {
+        scene.description_mut().meters_per_unit = meters;
+    }
     for note in scene.notes() {
         eprintln!("note: {note}");
     }
@@ -116,8 +126,8 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         let material = timed(&session, &target, &[], &mut seconds)?;
         scene.assign(&assignment.name, &material)?;
     }
-    if let Some(map) = &args.env {
-        scene.set_environment(map)?;
+    if let Some(environment) = &args.env {
+        light(&mut scene, &session, environment, &args.env_arguments)?;
     }
     let settings = RenderSettings {
         width: args.size.0,
@@ -145,6 +155,39 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         eprintln!("{}", summary(args, &picture));
     }
     Ok(())
+}
+
+/// Lights the scene with a map, or with a function, whose name has colons and whose module ends in `.mdl`.
+fn light(
+    scene: &mut Scene,
+    session: &Session,
+    environment: &str,
+    arguments: &[Assignment],
+) -> Result<(), Fail> {
+    let target: Target = environment.parse().map_err(Fail::Usage)?;
+    if !target.module.starts_with("::") && !target.module.ends_with(".mdl") {
+        if let Some(argument) = arguments.first() {
+            let name = &argument.name;
+            return Err(Fail::Usage(format!("`{environment}` is a map: it has no parameter `{name}`")));
+        }
+        return Ok(scene.set_environment(environment)?);
+    }
+    let module = open(session, &target)?;
+    let name = target.name.as_deref().ok_or_else(|| {
+        let colours = module.functions().into_iter().filter(|f| gives_light(&f.result));
+        let names: Vec<String> = colours.map(|f| f.name.to_string()).collect();
+        Fail::Usage(format!(
+            "`{environment}` is a module: name a function of it, one of {}",
+            names.join(", ")
+        ))
+    })?;
+    let arguments: Vec<(&str, &str)> = arguments.iter().map(|a| (&*a.name, &*a.value)).collect();
+    Ok(scene.set_environment_function(&module.environment(name, &arguments)?)?)
+}
+
+/// Whether values of a type may be the light of an environment.
+fn gives_light(ty: &str) -> bool {
+    ty == "color" || ty.ends_with("texture_return")
 }
 
 /// Compiles a material and adds to the times.
@@ -214,6 +257,13 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
     match png || is_exr(&path) {
         true => Ok(path),
         false => Err("a picture is a .png or an .exr file".to_string()),
+    }
+}
+
+fn parse_length(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(meters) if meters.is_normal() && meters > 0.0 => Ok(meters),
+        _ => Err(format!("`{text}` is no length")),
     }
 }
 

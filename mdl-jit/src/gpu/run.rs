@@ -203,11 +203,10 @@ impl Inner {
         let read = empty(out_words + 1, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
         let (inputs, params) = (filled(inputs), filled(params));
         let extra: Vec<wgpu::Buffer> = buffers.iter().map(|words| filled(words)).collect();
-        let group = |index: u32, list: &[&wgpu::Buffer]| {
+        let group = |index: u32, list: &[(u32, &wgpu::Buffer)]| {
             let entries: Vec<_> = list
                 .iter()
-                .enumerate()
-                .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32, resource: b.as_entire_binding() })
+                .map(|(i, b)| wgpu::BindGroupEntry { binding: *i, resource: b.as_entire_binding() })
                 .collect();
             device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
@@ -215,8 +214,11 @@ impl Inner {
                 entries: &entries,
             })
         };
-        let own = group(0, &[&inputs, &outputs, &params, &faults]);
-        let more = (!extra.is_empty()).then(|| group(1, &extra.iter().collect::<Vec<_>>()));
+        let own = [(0, &inputs), (1, &outputs), (2, &params), (3, &faults)];
+        // The layout has what the kernel reads: no inputs, if the function takes no arguments.
+        let takes_inputs = self.interface.args.iter().any(|arg| !arg.kinds.is_empty());
+        let own = group(0, &own[usize::from(!takes_inputs)..]);
+        let more = (!extra.is_empty()).then(|| group(1, &(0..).zip(&extra).collect::<Vec<_>>()));
         let mut encoder = device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());

@@ -13,7 +13,7 @@
 
 use super::error::LowerError;
 use super::extend::GrowingGraph;
-use super::needs::{OBJECT_SPACE, TO_LOCAL, WORLD_SPACE};
+use super::needs::{OBJECT_SPACE, PROFILE_GLOBAL, PROFILE_LOCAL, TO_LOCAL, WORLD_SPACE};
 use layered_bsdf::prelude::{Curve, GlossyModel, MAX_PARAMS, ProgramError, ScatterMode, Tree};
 use mdl_frontend::graph::{BinaryOp, NodeId, NodeKind, Op, Stage};
 use mdl_frontend::types::{Type, TypeId};
@@ -230,8 +230,22 @@ impl<S: Structure> Distributions<'_, S> {
             ("spot_edf", &[exponent, spread, global, frame, _]) => {
                 self.spot([exponent, spread, global, frame])?
             }
+            ("measured_edf", &[profile, multiplier, global, frame, tangent, _]) => {
+                let is_global = self.structure.integer(self.graph, global)? != 0;
+                let seen = match is_global {
+                    true => self.seen(PROFILE_GLOBAL, profile, frame),
+                    false => self.seen(PROFILE_LOCAL, profile, tangent),
+                };
+                let factor = self.graph.binary(BinaryOp::Mul, multiplier, seen);
+                Tree::Scale { factor: self.gray(factor), base: Box::new(Tree::DiffuseEdf) }
+            }
             (function, _) => return Err(LowerError::Distribution(format!("`df::{function}`"))),
         })
+    }
+
+    /// What a light profile sends to the viewer.
+    fn seen(&mut self, function: &str, profile: NodeId, frame: NodeId) -> NodeId {
+        self.graph.builtin(function, vec![profile, frame], TypeId::FLOAT, Stage::Varying)
     }
 
     /// A glossy lobe by its roughnesses, tints and tangent.

@@ -10,6 +10,9 @@ pub enum LowerError {
     /// A type that has no representation yet.
     #[error("values of type `{0}` are not supported yet where they are computed per shading point")]
     Type(String),
+    /// A function that gives no colour is asked for the light of an environment.
+    #[error("an environment is a function that gives a `color`, not `{0}`")]
+    Environment(String),
     /// A conversion between types that has no implementation yet.
     #[error("a conversion from `{from}` to `{to}` is not supported yet")]
     Conversion {
@@ -30,6 +33,12 @@ pub enum LowerError {
     /// The generated code did not validate: an error of this compiler.
     #[error("internal error: generated code is not valid: {0}")]
     Invalid(String),
+    /// The structure of a material depends on what is known only when something is rendered.
+    #[error(
+        "the structure depends on a texture, a transform, the number of the object or the unit of the scene, \
+         which is not supported"
+    )]
+    Structure,
     /// A uniform value could not be computed.
     #[error("a value that depends on arguments alone could not be computed: {0}")]
     Uniform(String),

@@ -1,7 +1,7 @@
 //! Adding nodes to a graph that the front end made.
 
 use super::needs::Needs;
-use mdl_frontend::graph::{BinaryOp, Graph, Node, NodeId, NodeKind, Op, Stage};
+use mdl_frontend::graph::{BinaryOp, ExpressionKind, Graph, Node, NodeId, NodeKind, Op, Stage};
 use mdl_frontend::types::TypeId;
 use mdl_frontend::value::Value;
 use std::collections::HashMap;
@@ -17,16 +17,21 @@ impl GrowingGraph {
     /// Starts from a finished graph.
     ///
     /// MDL calls transforms and the number of an object uniform, for they do not vary over one object; a
-    /// batch of points may hold many, so here they vary.
+    /// batch of points may hold many, so here they vary. So do values of textures, whose files are read when
+    /// something is rendered.
     pub fn new(mut graph: Graph) -> Self {
         let reads = Needs::of_functions(&graph);
+        let looks_up = functions_that_look_up(&graph);
         for index in 0..graph.nodes.len() {
             let NodeKind::Op(op, args) = &graph.nodes[index].kind else { continue };
             let own = match op {
+                Op::Builtin(name) if looks_up_texture(name) => Stage::Varying,
                 Op::Builtin(_) if !Needs::of_nodes(&graph, &[NodeId(index as u32)], &[]).is_empty() => {
                     Stage::Varying
                 }
-                Op::Call(function) if reads[function.0 as usize] => Stage::Varying,
+                Op::Call(function) if reads[function.0 as usize] || looks_up[function.0 as usize] => {
+                    Stage::Varying
+                }
                 _ => graph.nodes[index].stage,
             };
             let stage = args.iter().map(|arg| graph.node(*arg).stage).fold(own, Stage::max);
@@ -95,6 +100,25 @@ impl GrowingGraph {
             _ => None,
         }
     }
+}
+
+/// Whether an intrinsic function asks for sizes or values of a texture or light profile.
+fn looks_up_texture(builtin: &str) -> bool {
+    builtin.starts_with("::tex::") && builtin != "::tex::texture_isvalid"
+        || matches!(builtin, "::df::light_profile_power" | "::df::light_profile_maximum")
+}
+
+/// Which functions look up textures, themselves or by calls. Callees come before their callers.
+fn functions_that_look_up(graph: &Graph) -> Vec<bool> {
+    let mut found: Vec<bool> = Vec::new();
+    for function in &graph.functions {
+        found.push(function.expressions.iter().any(|expression| match &expression.kind {
+            ExpressionKind::Op(Op::Builtin(name), _) => looks_up_texture(name),
+            ExpressionKind::Op(Op::Call(callee), _) => found[callee.0 as usize],
+            _ => false,
+        }));
+    }
+    found
 }
 
 /// Arithmetic on floats and colours, as IEEE 754 has it.

@@ -24,8 +24,8 @@ impl Folder for InterpreterFolder {
         types: &TypeTable,
         result: TypeId,
     ) -> Option<Value> {
-        if builtin == "::tex::texture_isvalid" {
-            // A texture that the loader found is valid; one that cannot be read is an error later.
+        if matches!(builtin, "::tex::texture_isvalid" | "::df::light_profile_isvalid") {
+            // A file that the loader found is valid; one that cannot be read is an error later.
             return match args {
                 [(Value::Resource(resource), _), ..] => Some(Value::Bool(resource.is_some())),
                 _ => None,

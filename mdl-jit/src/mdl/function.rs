@@ -104,7 +104,7 @@ impl CompiledFunction {
     ) -> Result<Results, LowerError> {
         let (mut args, mut modes) = (Vec::new(), Vec::new());
         if !self.needs.is_empty() {
-            let (leaves, leaf_modes) = state_leaves(&self.needs, state, runtime.animation_time);
+            let (leaves, leaf_modes) = state_leaves(&self.needs, state, runtime);
             args.push(Argument::Leaves(leaves));
             modes.push(ArgMode::Leaves(leaf_modes));
         }
@@ -167,7 +167,11 @@ impl CompiledFunction {
 }
 
 /// The columns of a state as the code takes them.
-pub fn state_leaves<'a>(needs: &Needs, state: &'a StateBatch, time: f32) -> (Vec<Input<'a>>, Vec<Mode>) {
+pub fn state_leaves<'a>(
+    needs: &Needs,
+    state: &'a StateBatch,
+    runtime: &Runtime<'_>,
+) -> (Vec<Input<'a>>, Vec<Mode>) {
     let mut leaves = Vec::new();
     for field in needs.fields.iter() {
         for column in state.columns(field) {
@@ -180,7 +184,11 @@ pub fn state_leaves<'a>(needs: &Needs, state: &'a StateBatch, time: f32) -> (Vec
     }
     let mut modes = vec![Mode::Varying; leaves.len()];
     if needs.time {
-        leaves.push(Input::F32(time));
+        leaves.push(Input::F32(runtime.animation_time));
+        modes.push(Mode::Uniform);
+    }
+    if needs.unit {
+        leaves.push(Input::F32(runtime.meters_per_unit));
         modes.push(Mode::Uniform);
     }
     (leaves, modes)

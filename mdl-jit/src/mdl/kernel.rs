@@ -147,13 +147,13 @@ impl PartCode {
     }
 }
 
-/// The state varies, but for the time; the uniform nodes do not.
+/// The state varies, but for the time and the unit; the uniform nodes do not.
 fn signature(needs: &Needs, uniforms: usize) -> Signature {
     let mut args = Vec::new();
     if !needs.is_empty() {
         let columns: usize = needs.fields.iter().map(StateField::components).sum();
         let mut modes = vec![Mode::Varying; columns];
-        modes.extend(needs.time.then_some(Mode::Uniform));
+        modes.extend([needs.time, needs.unit].into_iter().filter(|wanted| *wanted).map(|_| Mode::Uniform));
         args.push(ArgMode::Leaves(modes));
     }
     args.extend((0..uniforms).map(|_| ArgMode::Value(Mode::Uniform)));
@@ -180,7 +180,7 @@ impl InputKernel for BoundKernel {
     ) -> Result<(), InputFault> {
         let mut args = Vec::with_capacity(1 + self.uniforms.len());
         if !self.needs.is_empty() {
-            let (leaves, _) = state_leaves(&self.needs, state, runtime.animation_time);
+            let (leaves, _) = state_leaves(&self.needs, state, runtime);
             args.push(Argument::Leaves(leaves));
         }
         args.extend(self.uniforms.iter().map(|leaves| Argument::Leaves(leaves.clone())));

@@ -9,13 +9,13 @@ use super::values::Strings;
 use crate::Input;
 use crate::material::{Emission, Face, Inputs, IntensityMode, Material, PROGRAM_OFFSET, Part};
 use layered_bsdf::prelude::{LayerProgram, Params, Slot, Tree};
-use mdl_frontend::graph::{MaterialGraph, NodeId, NodeKind, Op, Stage, SurfaceRoots};
+use mdl_frontend::graph::{Graph, MaterialGraph, NodeId, NodeKind, Op, Stage, SurfaceRoots};
 use mdl_frontend::value::Value;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 /// The outputs of one part, and the code for those that vary.
-struct PartPlan {
+pub(super) struct PartPlan {
     /// Constants, components of nodes, and derived slots.
     outputs: Vec<Slot<Param>>,
     /// Outputs that vary, by position.
@@ -61,6 +61,9 @@ impl Structure for Decisions<'_> {
             Some(Value::Bool(x)) => return Ok(i32::from(*x)),
             _ => {}
         }
+        if graph.graph.node(node).stage == Stage::Varying {
+            return Err(LowerError::Structure);
+        }
         let stage = UniformStage::new(&graph.graph, vec![node], self.strings)?;
         let stage = stage.expect("one node was asked for");
         let values = stage.run(&graph.graph, self.arguments, self.strings)?;
@@ -81,8 +84,13 @@ fn integer_of(leaves: &Leaves) -> i32 {
 
 /// The default of every parameter; zero where the default is part of the graph.
 pub fn default_arguments(graph: &MaterialGraph) -> Vec<Value> {
-    let zero = |ty| Value::zero(&graph.graph.types, ty);
-    graph.graph.parameters.iter().map(|p| p.default.clone().unwrap_or_else(|| zero(p.ty))).collect()
+    arguments_of(&graph.graph)
+}
+
+/// The same for any graph.
+pub fn arguments_of(graph: &Graph) -> Vec<Value> {
+    let zero = |ty| Value::zero(&graph.types, ty);
+    graph.parameters.iter().map(|p| p.default.clone().unwrap_or_else(|| zero(p.ty))).collect()
 }
 
 impl CompiledMaterial {
@@ -144,9 +152,12 @@ impl CompiledMaterial {
         ];
         let mut parts = Vec::new();
         for ((part, outputs), program) in Part::ALL.into_iter().zip(lists).zip(programs) {
-            parts.push(PartPlan::new(&graph, part, outputs, program, &mut strings)?);
+            let name = format!("{part:?}").to_lowercase();
+            parts.push(PartPlan::new(&graph, &name, outputs, program, &mut strings)?);
         }
-        let uniform_nodes = uniform_nodes(&graph, &parts, &[roots.thin_walled, surface.mode], &backface);
+        let mut decisive = vec![roots.thin_walled, surface.mode];
+        decisive.extend(backface.iter().map(|face| face.mode));
+        let uniform_nodes = uniform_nodes(&graph, &parts, &decisive);
         let uniform = UniformStage::new(&graph.graph, uniform_nodes, &mut strings)?;
         let warnings = ignored_fields(&graph, material);
         let Ok(parts) = parts.try_into() else { unreachable!("one plan per part") };
@@ -217,9 +228,9 @@ impl CompiledMaterial {
 }
 
 impl PartPlan {
-    fn new(
+    pub(super) fn new(
         graph: &GrowingGraph,
-        part: Part,
+        name: &str,
         outputs: Vec<Slot<Param>>,
         program: Option<LayerProgram>,
         strings: &mut Strings,
@@ -236,15 +247,19 @@ impl PartPlan {
                 Slot::Derived => unreachable!("derived slots do not vary"),
             })
             .collect();
-        let name = format!("{part:?}").to_lowercase();
         let code = match wanted.is_empty() {
             true => None,
-            false => Some(PartCode::new(graph, &name, &wanted, strings)?),
+            false => Some(PartCode::new(graph, name, &wanted, strings)?),
         };
         Ok(Self { outputs, varying, code, program })
     }
 
-    fn instantiate(&self, name: &str, values: &HashMap<NodeId, Leaves>, textures: &[u32]) -> Inputs {
+    pub(super) fn instantiate(
+        &self,
+        name: &str,
+        values: &HashMap<NodeId, Leaves>,
+        textures: &[u32],
+    ) -> Inputs {
         let value = |output: &Slot<Param>| match output {
             Slot::Value(Param::Const(x)) => *x,
             Slot::Value(Param::Node(node, component)) => match values.get(node) {
@@ -311,7 +326,7 @@ fn outputs(leading: [Param; 3], slots: Vec<Slot<Param>>) -> Vec<Slot<Param>> {
     leading.into_iter().map(Slot::Value).chain(slots).collect()
 }
 
-fn vector_outputs(graph: &GrowingGraph, node: NodeId) -> Vec<Slot<Param>> {
+pub(super) fn vector_outputs(graph: &GrowingGraph, node: NodeId) -> Vec<Slot<Param>> {
     color_params(graph, node).into_iter().map(Slot::Value).collect()
 }
 
@@ -333,12 +348,7 @@ fn color_params(graph: &GrowingGraph, node: NodeId) -> [Param; 3] {
 }
 
 /// The uniform nodes that parts output or take, and those of `others`.
-fn uniform_nodes(
-    graph: &GrowingGraph,
-    parts: &[PartPlan],
-    others: &[NodeId],
-    backface: &Option<FacePlan>,
-) -> Vec<NodeId> {
+pub(super) fn uniform_nodes(graph: &GrowingGraph, parts: &[PartPlan], others: &[NodeId]) -> Vec<NodeId> {
     let mut nodes = Vec::new();
     let mut add = |node: NodeId| {
         let uniform = graph.graph.node(node).stage < Stage::Varying && graph.known(node).is_none();
@@ -356,7 +366,7 @@ fn uniform_nodes(
             code.uniforms.iter().for_each(|node| add(*node));
         }
     }
-    others.iter().copied().chain(backface.iter().map(|face| face.mode)).for_each(add);
+    others.iter().copied().for_each(add);
     nodes
 }
 

@@ -21,6 +21,7 @@
 pub mod builder;
 pub mod builtins;
 pub mod distribution;
+pub mod environment;
 pub mod error;
 pub mod extend;
 pub mod fold;

@@ -8,19 +8,22 @@ use mdl_frontend::graph::{ExpressionKind, Function, Graph, NodeId, NodeKind, Op}
 use mdl_frontend::value as mdl;
 use naga::{Handle, Module, ScalarKind, Type};
 
-/// The state of one function: some fields, one after the other, then the time if it is asked for.
+/// The state of one function: some fields, one after the other, then the time and the scene's unit if they are
+/// asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// Fields of the state.
     pub fields: StateFields,
     /// `state::animation_time()`, one value for all points.
     pub time: bool,
+    /// `state::meters_per_scene_unit()`, one value for all points.
+    pub unit: bool,
 }
 
 impl Needs {
     /// Nothing is asked for: no state is passed.
     pub fn is_empty(&self) -> bool {
-        self.fields == StateFields::NONE && !self.time
+        self.fields == StateFields::NONE && !self.time && !self.unit
     }
 
     /// The struct type that carries the state.
@@ -39,9 +42,11 @@ impl Needs {
             };
             members.push((format!("{field:?}"), intern(module, inner)));
         }
-        if self.time {
-            let inner = naga::TypeInner::Scalar(super::types::scalar(ScalarKind::Float));
-            members.push(("time".to_string(), intern(module, inner)));
+        for (name, wanted) in [("time", self.time), ("unit", self.unit)] {
+            if wanted {
+                let inner = naga::TypeInner::Scalar(super::types::scalar(ScalarKind::Float));
+                members.push((name.to_string(), intern(module, inner)));
+            }
         }
         let inner = struct_inner(module, members)?;
         Ok(intern(module, inner))
@@ -56,6 +61,11 @@ impl Needs {
     /// The time.
     pub fn animation_time(&self, b: &mut FunctionBuilder<'_>, state: Value) -> Value {
         b.part(state, self.fields.iter().count() as u32)
+    }
+
+    /// The length of a scene unit in metres.
+    pub fn meters_per_unit(&self, b: &mut FunctionBuilder<'_>, state: Value) -> Value {
+        b.part(state, self.fields.iter().count() as u32 + u32::from(self.time))
     }
 
     /// What the nodes of a graph and the functions they call ask for.
@@ -117,8 +127,10 @@ impl Needs {
             "::state::normal" => add(StateField::Normal),
             "::state::geometry_normal" => add(StateField::GeometryNormal),
             "::state::motion" => add(StateField::Motion),
+            "::state::direction" => add(StateField::Direction),
             "::state::object_id" => add(StateField::ObjectId),
             "::state::animation_time" => self.time = true,
+            "::state::meters_per_scene_unit" | "::state::scene_units_per_meter" => self.unit = true,
             "::state::texture_coordinate" => spaces(space).for_each(|i| add(texture_coordinate(i))),
             "::state::texture_tangent_u" | "::state::geometry_tangent_u" => {
                 spaces(space).for_each(|i| add(texture_tangent_u(i)));
@@ -142,6 +154,10 @@ impl Needs {
             {
                 add(StateField::Instance);
             }
+            PROFILE_LOCAL => {
+                [StateField::FrameX, StateField::FrameZ, StateField::Toward].into_iter().for_each(add);
+            }
+            PROFILE_GLOBAL => [StateField::Toward, StateField::Instance].into_iter().for_each(add),
             TO_LOCAL => {
                 [StateField::FrameX, StateField::FrameY, StateField::FrameZ].into_iter().for_each(add)
             }
@@ -153,6 +169,13 @@ impl Needs {
 /// The frame's components of a vector: how normals and tangents of layers reach the evaluator. No module
 /// declares it; the compiler of distribution functions adds it to the graph.
 pub const TO_LOCAL: &str = "::state::to_local";
+
+/// What a light profile sends to the viewer, with its axis along the normal and a tangent: π times the EDF
+/// of `df::measured_edf`. No module declares it.
+pub const PROFILE_LOCAL: &str = "::state::profile_local";
+
+/// The same with a frame in object space for all points.
+pub const PROFILE_GLOBAL: &str = "::state::profile_global";
 
 /// Whether a transformation is known to change nothing: internal space is world space.
 pub fn same_space(constants: &[Option<i32>]) -> bool {

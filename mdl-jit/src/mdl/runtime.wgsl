@@ -100,3 +100,37 @@ fn mdl_blackbody(temperature: f32) -> vec3<f32> {
         vec3<f32>(0.0),
     );
 }
+
+/// Intensity over power of a light profile, sr^-1, in a direction of its frame; the texture is laid out by
+/// `renderer/src/images/profile.rs`.
+fn mdl_profile(profile: u32, w: vec3<f32>) -> f32 {
+    let size = tex_size_3d(profile);
+    let square = dot(w, w);
+    if size.x == 0u || !(square > 0.0) {
+        return 0.0;
+    }
+    let d = w / sqrt(square);
+    let theta = math_acos(clamp(d.z, -1.0, 1.0)) * 0.31830987;
+    let u = math_atan2(d.y, d.x) * 0.15915494 + 0.5 / f32(size.x);
+    let v = (theta * f32(size.y - 1u) + 0.5) / f32(size.y);
+    return tex_lookup_2d(profile, vec2<f32>(u, v), vec2<u32>(1u, 0u), vec4<f32>(0.0, 1.0, 0.0, 1.0)).x;
+}
+
+/// With the angle 0 along the normal z: what a small surface sends has the intensities of the profile, so
+/// its radiance is them over the cosine, which has a least value.
+fn mdl_profile_local(profile: u32, toward: vec3<f32>, tangent: vec3<f32>, side: vec3<f32>, z: vec3<f32>) -> f32 {
+    let flat_ = tangent - z * dot(tangent, z);
+    let square = dot(flat_, flat_);
+    let x = select(side, flat_ / sqrt(max(square, 1e-20)), square > 1e-12);
+    let y = cross(z, x);
+    let cosine = dot(toward, z);
+    return 3.1415927 * mdl_profile(profile, vec3<f32>(dot(toward, x), dot(toward, y), cosine)) / max(cosine, 1e-3);
+}
+
+/// For a body as a whole: radiance is the same all over it, in proportion to the profile. A convex body shows
+/// a quarter of its area on average (A. Cauchy), which makes up for the 4.
+fn mdl_profile_global(profile: u32, toward: vec3<f32>, instance: u32, frame: mat3x3<f32>) -> f32 {
+    let d = mdl_transform_vector(instance, 1, toward);
+    let w = vec3<f32>(dot(frame[0], d), dot(frame[1], d), dot(frame[2], d));
+    return 12.566371 * mdl_profile(profile, w);
+}

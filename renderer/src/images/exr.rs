@@ -93,7 +93,7 @@ pub(super) fn decode(bytes: &[u8], limits: &ImageLimits) -> Result<Decoded, Stri
 }
 
 /// Checks all that memory will be taken for.
-fn check_header(header: &Header, file_bytes: usize, limits: &ImageLimits) -> Result<(), String> {
+pub(super) fn check_header(header: &Header, file_bytes: usize, limits: &ImageLimits) -> Result<(), String> {
     let in_file = header.channels.bytes_per_pixel as u64;
     let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
     check_size(width, height, in_file.max(16), limits)?;

@@ -4,7 +4,7 @@
 //! name. Sizes are read and checked before anything of that size is allocated, and a decoder that panics is
 //! one that fails. Every error names the file and the cause.
 
-use super::FloatImage;
+use super::{FloatImage, select};
 use crate::film::tonemap::srgb_decode;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::fs::File;
@@ -54,7 +54,7 @@ pub(super) struct Decoded {
 /// Reads an environment map. Integers are taken as sRGB, floats as linear; alpha is left out. A texel that
 /// is negative or no finite number is an error: it is no radiance, and whoever made the file should know.
 pub fn load_environment(path: &Path, limits: &ImageLimits) -> Result<FloatImage, ImageError> {
-    let Decoded { width, height, texels } = decode_file(path, limits)?;
+    let Decoded { width, height, texels } = decode_file(path, "", limits)?;
     let pixels: Vec<[f32; 3]> = match texels {
         Texels::Bytes(t) => t.iter().map(|&t| rgb(t.map(|c| srgb_decode(f32::from(c) / 255.0)))).collect(),
         Texels::Shorts(t) => {
@@ -82,14 +82,15 @@ pub(super) fn texel_name(i: usize, width: u32) -> String {
     format!("texel (column {}, row {} from the top)", i % width as usize, i / width as usize)
 }
 
-/// Reads a file of any kind.
-pub(super) fn decode_file(path: &Path, limits: &ImageLimits) -> Result<Decoded, ImageError> {
-    read_with(path, limits, |bytes| {
-        if super::exr::is_exr(bytes) {
-            super::exr::decode(bytes, limits)
-        } else {
+/// Reads a file of any kind: its colour, or what a selector that is not empty names.
+pub(super) fn decode_file(path: &Path, selector: &str, limits: &ImageLimits) -> Result<Decoded, ImageError> {
+    read_with(path, limits, |bytes| match (super::exr::is_exr(bytes), selector) {
+        (true, "") => super::exr::decode(bytes, limits),
+        (true, selector) => select::exr(bytes, selector, limits),
+        (false, _) => {
             let has_tga_name = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
-            decode(bytes, has_tga_name, limits)
+            let decoded = decode(bytes, has_tga_name, limits)?;
+            if selector.is_empty() { Ok(decoded) } else { select::channel(decoded, selector) }
         }
     })
 }

@@ -1,12 +1,18 @@
-//! Pictures as input: environments and textures; and pictures of plain floats as files.
+//! Pictures as input: environments, textures and light profiles; and pictures of plain floats as files.
 
 pub mod exr;
+pub mod grid;
+pub mod ies;
 pub mod load;
+pub mod profile;
+pub mod select;
 pub mod texture;
 
 pub use self::exr::{read_exr, write_exr};
+pub use grid::load_grid;
+pub use ies::load_profile;
 pub use load::{ImageError, ImageLimits, load_environment};
-pub use texture::{Gamma, TextureImage, load_texture};
+pub use texture::{Gamma, TextureImage, load_selected_texture, load_texture};
 
 /// Linear colour, three floats per pixel.
 #[derive(Clone, Debug, Default, PartialEq)]

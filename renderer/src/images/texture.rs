@@ -1,6 +1,7 @@
 //! Textures from files, in the form that texture tables take.
 
 use super::load::{Decoded, ImageError, ImageLimits, Texels, decode_file, texel_name};
+use super::select::is_alpha;
 use crate::film::tonemap::srgb_decode;
 use exr::prelude::f16;
 use mdl_jit::texture::{Format, Image};
@@ -25,23 +26,38 @@ pub struct TextureImage {
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Slices; 1 for a two-dimensional texture.
+    pub depth: u32,
     /// How texels are stored.
     pub format: Format,
-    /// The texels, row by row from the bottom.
+    /// The texels, row by row from the bottom, slice by slice from w = 0.
     pub texels: Vec<u32>,
 }
 
 impl TextureImage {
     /// For a table.
     pub fn as_image(&self) -> Image<'_> {
-        Image { width: self.width, height: self.height, format: self.format, texels: &self.texels }
+        let Self { width, height, depth, format, ref texels } = *self;
+        Image { width, height, depth, format, texels }
     }
 }
 
 /// Reads a texture. Bytes stay bytes; 16-bit integers become floats; floats become half as long if none of
 /// them loses anything. Texels may be negative, but one that is no finite number is an error.
 pub fn load_texture(path: &Path, gamma: Gamma, limits: &ImageLimits) -> Result<TextureImage, ImageError> {
-    let Decoded { width, height, texels } = decode_file(path, limits)?;
+    load_selected_texture(path, "", gamma, limits)
+}
+
+/// Reads what a selector names: one of the channels `R`, `G`, `B` and `A`, in OpenEXR files also
+/// `layer.channel` and `layer`; nothing for the colour. One channel is a grey of alpha 1.
+pub fn load_selected_texture(
+    path: &Path,
+    selector: &str,
+    gamma: Gamma,
+    limits: &ImageLimits,
+) -> Result<TextureImage, ImageError> {
+    let Decoded { width, height, texels } = decode_file(path, selector, limits)?;
+    let gamma = if is_alpha(selector) { Gamma::Linear } else { gamma };
     let (format, texels) = match texels {
         Texels::Bytes(t) => {
             let format = if gamma == Gamma::Linear { Format::Rgba8 } else { Format::Rgba8Srgb };
@@ -74,7 +90,7 @@ pub fn load_texture(path: &Path, gamma: Gamma, limits: &ImageLimits) -> Result<T
             }
         }
     };
-    Ok(TextureImage { width, height, format, texels })
+    Ok(TextureImage { width, height, depth: 1, format, texels })
 }
 
 fn decode_color([r, g, b, a]: [f32; 4]) -> [f32; 4] {

@@ -63,13 +63,36 @@ pub enum Environment {
     Constant(Vec3),
     /// A map by latitude and longitude: rows from +y to −y, the middle column at −z, +x to the right of it.
     Map {
-        /// Radiance.
+        /// Radiance. Where a texel has an inset, it serves the interpolation of its neighbours alone.
         image: Arc<Image>,
+        /// Texels that are seen as grids of their own; each at most once.
+        insets: Arc<[Inset]>,
         /// Factor.
         intensity: f32,
         /// Turn around the y axis, radians: positive moves the map to the right for a viewer inside.
         rotation: f32,
     },
+}
+
+/// Cells along each side of an [`Inset`].
+pub const INSET_SIDE: usize = 32;
+
+/// A texel of an environment map as a grid.
+#[derive(Clone, Debug)]
+pub struct Inset {
+    /// Index of the texel in the map.
+    pub texel: u32,
+    /// Radiance, row by row from the top; columns even in longitude, rows in the cosine of the latitude's
+    /// angle from +y.
+    pub pixels: Box<[[f32; 3]; INSET_SIDE * INSET_SIDE]>,
+}
+
+impl Inset {
+    /// Luminance averaged over the texel.
+    pub fn mean_luminance(&self) -> f32 {
+        let sum: f64 = self.pixels.iter().map(|&p| f64::from(crate::lights::luminance(p.into()))).sum();
+        (sum / self.pixels.len() as f64) as f32
+    }
 }
 
 /// All of a scene but the materials themselves.
@@ -94,6 +117,11 @@ pub struct SceneDescription {
 impl Environment {
     /// A map as it is.
     pub fn map(image: FloatImage) -> Self {
-        Self::Map { image: Arc::new(image), intensity: 1.0, rotation: 0.0 }
+        Self::map_with_insets(image, [])
+    }
+
+    /// A map with finer places.
+    pub fn map_with_insets(image: FloatImage, insets: impl Into<Arc<[Inset]>>) -> Self {
+        Self::Map { image: Arc::new(image), insets: insets.into(), intensity: 1.0, rotation: 0.0 }
     }
 }

@@ -9,5 +9,5 @@ pub mod tangents;
 mod tests;
 
 pub use compiled::{Scene, SceneError, SceneNotes};
-pub use description::{Environment, Instance, Mesh, SceneDescription};
+pub use description::{Environment, INSET_SIDE, Inset, Instance, Mesh, SceneDescription};
 pub use surface::Surface;

@@ -11,7 +11,7 @@ use crate::scene::Surface;
 use glam::Vec3;
 use layered_bsdf::prelude::{Params, Program, edf_eval};
 use mdl_jit::material::{InputFault, Part};
-use mdl_jit::state::StateBatch;
+use mdl_jit::state::{StateBatch, StateField};
 
 /// A point and where it is seen from.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +85,7 @@ impl Emitters {
         for (row, query) in queries.iter().enumerate() {
             fill(&mut self.state, row, shading.scene, &query.surface, query.surface.normal);
             fill_frame(&mut self.state, row, &frame(query));
+            self.state.set(StateField::Toward, row, query.toward.to_array());
         }
         for back in [false, true] {
             let Some(emitter) = shader.emitter(back) else { continue };

@@ -30,6 +30,8 @@ pub fn fill(batch: &mut StateBatch, row: usize, scene: &Scene, surface: &Surface
     }
     batch.set(StateField::GeometryNormal, row, surface.geometry_normal.to_array());
     batch.set(StateField::Motion, row, [0.0; 3]);
+    batch.set(StateField::Direction, row, [0.0; 3]);
+    batch.set(StateField::Toward, row, [0.0; 3]);
     for (set, field) in COORDINATES.into_iter().enumerate() {
         if fields.contains(field) {
             batch.set(field, row, scene.texture_coordinate(surface, set).to_array());

@@ -38,7 +38,7 @@ pub fn row(name: &str) -> Option<Row> {
         "math" => math::row(function),
         "state" => state::row(function),
         "tex" | "scene" | "debug" => texture::row(module, function),
-        "df" => Some(Row::Declarative),
+        "df" => Some(texture::profile_row(function).unwrap_or(Row::Declarative)),
         _ => None,
     }
 }

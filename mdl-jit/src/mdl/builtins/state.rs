@@ -19,6 +19,7 @@ pub fn row(function: &str) -> Option<Row> {
         "normal" => Code(|l, _, _| Ok(field(l, StateField::Normal))),
         "geometry_normal" => Code(|l, _, _| Ok(field(l, StateField::GeometryNormal))),
         "motion" => Code(|l, _, _| Ok(field(l, StateField::Motion))),
+        "direction" => Code(|l, _, _| Ok(field(l, StateField::Direction))),
         "object_id" => Code(|l, _, _| Ok(field(l, StateField::ObjectId))),
         "animation_time" => Code(|l, _, _| {
             let state = l.state.expect("a function that reads the state has it");
@@ -39,10 +40,16 @@ pub fn row(function: &str) -> Option<Row> {
         "transform_vector" => Code(|l, args, _| transformed(l, args, "mdl_transform_vector")),
         "transform_normal" => Code(|l, args, _| transformed(l, args, "mdl_transform_normal")),
         "transform_scale" => Code(|l, args, _| transformed(l, args, "mdl_transform_scale")),
-        "meters_per_scene_unit" | "scene_units_per_meter" => Code(|l, _, _| Ok(l.b.f32(1.0))),
+        "meters_per_scene_unit" => Code(|l, _, _| Ok(meters_per_unit(l))),
+        "scene_units_per_meter" => Code(|l, _, _| {
+            let (one, meters) = (l.b.f32(1.0), meters_per_unit(l));
+            Ok(l.b.div(one, meters))
+        }),
         "wavelength_min" => Code(|l, _, _| Ok(l.b.f32(380.0))),
         "wavelength_max" => Code(|l, _, _| Ok(l.b.f32(780.0))),
         "to_local" => Code(to_local),
+        "profile_local" => Code(profile_local),
+        "profile_global" => Code(profile_global),
         _ => return None,
     })
 }
@@ -51,6 +58,12 @@ fn field(l: &mut Lowering<'_, '_>, field: StateField) -> Value {
     let state = l.state.expect("a function that reads the state has it");
     let needs = l.needs.clone();
     needs.field(&mut l.b, state, field)
+}
+
+fn meters_per_unit(l: &mut Lowering<'_, '_>) -> Value {
+    let state = l.state.expect("a function that reads the state has it");
+    let needs = l.needs.clone();
+    needs.meters_per_unit(&mut l.b, state)
 }
 
 /// The integer that an argument is, if it is a literal.
@@ -129,4 +142,18 @@ fn to_local(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> 
     let components = axes.map(|axis| l.b.math(MathFunction::Dot, &[axis, args[0].0]));
     let ty = l.b.float_type(3);
     Ok(l.b.compose(ty, components.to_vec()))
+}
+
+/// Arguments: light profile, tangent.
+fn profile_local(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> {
+    let [toward, x, z] = [StateField::Toward, StateField::FrameX, StateField::FrameZ].map(|of| field(l, of));
+    let profile = l.b.bitcast(args[0].0, naga::ScalarKind::Uint);
+    Ok(l.b.library("mdl_profile_local", vec![profile, toward, args[1].0, x, z]))
+}
+
+/// Arguments: light profile, frame.
+fn profile_global(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> {
+    let [toward, instance] = [StateField::Toward, StateField::Instance].map(|of| field(l, of));
+    let profile = l.b.bitcast(args[0].0, naga::ScalarKind::Uint);
+    Ok(l.b.library("mdl_profile_global", vec![profile, toward, instance, args[1].0]))
 }
