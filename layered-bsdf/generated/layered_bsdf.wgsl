@@ -1065,7 +1065,7 @@ fn facets_d(facets: u32, alpha: vec2f, h: vec3f, h2: f32) -> f32 {
         let power = select(near, ((slope2 / flat2) * math_log(max((z2 / h2), 1e-37))), (s2 > 0.25));
         let u = (2.0 + (alpha.x * alpha.x));
         let v = (2.0 + (alpha.y * alpha.y));
-        let root = sqrt((((u * v) * h2) / max(z2, (1e-37 * h2))));
+        let root = sqrt(((u * v) / max((z2 / h2), 1e-37)));
         return ((((0.5 * FRAC_1_PI) * root) / area) * math_exp(power));
     }
     let inverse = (1.0 / alpha.x);

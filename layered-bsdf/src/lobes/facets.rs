@@ -56,7 +56,7 @@ pub mod code {
             let u = 2.0 + alpha.x * alpha.x;
             let v = 2.0 + alpha.y * alpha.y;
             // One power less than the density of what is seen.
-            let root = sqrt(u * v * h2 / max(z2, 1e-37 * h2));
+            let root = sqrt(u * v / max(z2 / h2, 1e-37));
             return 0.5 * FRAC_1_PI * root / area * math_exp(power);
         }
         let inverse = 1.0 / alpha.x;

@@ -33,7 +33,9 @@ pub struct Unparsed {
 pub fn format(text: &str, file: &str) -> Result<String, Unparsed> {
     let mut sink = Sink::new(file.into());
     // A byte-order mark and the carriage returns of some systems say nothing.
-    let text: Arc<str> = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").into();
+    let lines = text.trim_start_matches('\u{feff}').split('\n').map(|line| line.trim_end_matches('\r'));
+    let lines: Vec<&str> = lines.collect();
+    let text: Arc<str> = lines.join("\n").into();
     parse_module(text.clone(), &mut sink);
     if sink.has_errors() {
         return Err(Unparsed { diagnostics: sink.finish(), text });

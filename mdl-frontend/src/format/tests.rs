@@ -138,6 +138,12 @@ fn keeps_its_meaning(text: &str, path: &std::path::Path) -> bool {
 }
 
 #[test]
+fn returns_before_a_line_end_go_together() {
+    let once = format("mdl 1.7;\r\r\n/* a\r\r\nb */\r\n", "test").expect("it parses");
+    assert_eq!(once, "mdl 1.7;\n/* a\nb */\n");
+}
+
+#[test]
 fn comments_and_line_ends_anywhere_are_kept() {
     let text = include_str!("../../tests/materials/noise.mdl").to_string()
         + "float more(int i) { switch (i) { case 0: return 1.0; default: break; } do ++i; while (i < 3); \
