@@ -106,6 +106,14 @@ impl FileLoader {
         Ok(self.container(&path)?.modules().collect())
     }
 
+    /// The content of a resource in a container that was opened; nothing if its path is that of a file.
+    pub fn contained(&self, path: &str) -> Result<Option<Vec<u8>>, LoadError> {
+        let Some((file, inside)) = path.rsplit_once(':') else { return Ok(None) };
+        let shared = self.shared.read().unwrap_or_else(PoisonError::into_inner);
+        let Some(container) = shared.containers.get(Path::new(file)) else { return Ok(None) };
+        container.file(inside).map_err(|e| LoadError(e.to_string()))
+    }
+
     /// An archive or encapsulated file, opened once.
     fn container(&self, path: &Path) -> Result<Arc<Container>, LoadError> {
         let known = |shared: &Shared| shared.containers.get(path).cloned();

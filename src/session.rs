@@ -116,6 +116,11 @@ impl Session {
         self.compiler.parse_time()
     }
 
+    /// The content of a resource that lies in an archive or encapsulated file; nothing if it is a file.
+    pub(crate) fn contained(&self, path: &str) -> Result<Option<Vec<u8>>, String> {
+        self.loader.contained(path).map_err(|e| e.0)
+    }
+
     fn module(&self, checked: CheckedModule) -> Module {
         Module { session: self.clone(), checked }
     }

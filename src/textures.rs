@@ -7,7 +7,7 @@ use mdl_frontend::Failure;
 use mdl_frontend::graph::{GammaMode, Resource, ResourceKind};
 use mdl_jit::texture::{Entry, NO_TEXTURE, TextureError, TextureTable};
 use renderer::images::{
-    Gamma, ImageError, ImageLimits, TextureImage, load_grid, load_profile, load_selected_texture,
+    Gamma, ImageError, ImageFile, ImageLimits, TextureImage, load_grid, load_profile, load_selected_texture,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -57,7 +57,7 @@ impl Textures {
                 own.push(match number {
                     Some(number) => number,
                     None => {
-                        let texture = load(resource).map_err(|reason| -> Error {
+                        let texture = load(module, resource).map_err(|reason| -> Error {
                             let source = module.source(&resource.span.file);
                             Failure::unreadable(resource, reason, source).into()
                         })?;
@@ -103,20 +103,22 @@ fn table(loaded: &mut [Loaded]) -> Result<TextureTable, TextureError> {
 }
 
 /// Reads a resource, or says why it cannot be read.
-fn load(resource: &Resource) -> Result<Loaded, String> {
+fn load(module: &Module, resource: &Resource) -> Result<Loaded, String> {
     let path = Path::new(&*resource.path);
     let limits = ImageLimits::default();
+    let bytes = module.session().contained(&resource.path)?;
+    let file = ImageFile { path, bytes: bytes.as_deref() };
     match resource.kind {
         ResourceKind::Texture3d => {
-            load_grid(path, &resource.selector, &limits).map(Loaded::Image).map_err(|e| e.cause)
+            load_grid(file, &resource.selector, &limits).map(Loaded::Image).map_err(|e| e.cause)
         }
         ResourceKind::Texture2d if is_set(path) => load_tiles(path, resource, &limits),
-        ResourceKind::Texture2d => load_2d(path, resource, &limits).map(Loaded::Image).map_err(|e| e.cause),
+        ResourceKind::Texture2d => load_2d(file, resource, &limits).map(Loaded::Image).map_err(|e| e.cause),
         ResourceKind::TextureCube | ResourceKind::TexturePtex => {
             Err("textures for cubes and Ptex textures are not supported".to_string())
         }
         ResourceKind::LightProfile => {
-            load_profile(path).map(|profile| Loaded::Image(profile.to_texture())).map_err(|e| e.cause)
+            load_profile(file).map(|profile| Loaded::Image(profile.to_texture())).map_err(|e| e.cause)
         }
         ResourceKind::BsdfMeasurement => Err("measured BSDFs are not supported yet".to_string()),
     }
@@ -131,16 +133,20 @@ fn load_tiles(set: &Path, resource: &Resource, limits: &ImageLimits) -> Result<L
     for Tile { place, file } in tiles {
         numbers[(place[1] * columns + place[0]) as usize] = images.len() as u32;
         let fail = |e: ImageError| format!("{}: {}", file.display(), e.cause);
-        images.push(load_2d(&file, resource, limits).map_err(fail)?);
+        images.push(load_2d((&file).into(), resource, limits).map_err(fail)?);
     }
     Ok(Loaded::Tiles { columns, rows, numbers, images })
 }
 
-fn load_2d(path: &Path, resource: &Resource, limits: &ImageLimits) -> Result<TextureImage, ImageError> {
+fn load_2d(
+    file: ImageFile<'_>,
+    resource: &Resource,
+    limits: &ImageLimits,
+) -> Result<TextureImage, ImageError> {
     let gamma = match resource.gamma {
         GammaMode::Default => Gamma::Default,
         GammaMode::Linear => Gamma::Linear,
         GammaMode::Srgb => Gamma::Srgb,
     };
-    load_selected_texture(path, &resource.selector, gamma, limits)
+    load_selected_texture(file, &resource.selector, gamma, limits)
 }

@@ -152,6 +152,15 @@ fn archives_and_encapsulated_files_are_searched() {
         let output = lacquer(&["inspect", &target]);
         assert_eq!(output.status.code(), Some(0), "{target}: {}", text(&output.stderr));
     }
+    // Resources in it are read: this one is broken.
+    let picture = (
+        "woods/ash.mdl",
+        "mdl 1.7; import ::tex::*;
+        export color f() { return tex::lookup_color(texture_2d(\"./ash.png\"), float2(0.5)); }",
+    );
+    let files = [zip::MANIFEST, oak, tools, picture, ("woods/ash.png", "no picture")];
+    folder.write("woods.mdr", zip::container(zip::ARCHIVE, &files, 0));
+    fails(&["eval", "::woods::ash::f", "-I", path(&folder.0)], 1, &["ash.png", "its format is not known"]);
     // One that is damaged is named where it is needed, and nowhere else.
     folder.write("woods.mdr", b"MDR");
     fails(&["check", path(&archive)], 1, &["woods.mdr", "neither an MDL archive"]);

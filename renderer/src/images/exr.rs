@@ -28,7 +28,7 @@ pub fn write_exr(image: &FloatImage, to: impl Write + Seek) -> exr::error::UnitR
 /// channel are grey. [`ImageLimits::default`] holds.
 pub fn read_exr(path: &Path) -> Result<FloatImage, ImageError> {
     let limits = ImageLimits::default();
-    read_with(path, &limits, |bytes| {
+    read_with(path.into(), &limits, |bytes| {
         if !is_exr(bytes) {
             return Err("it is not an OpenEXR file".to_string());
         }

@@ -6,18 +6,21 @@
 //! used: a texture fills 0 to 1), and the values, channel by channel, x fastest, z slowest. u, v and w are
 //! x, y and z.
 
-use super::load::{ImageError, ImageLimits, check_size, read_with};
+use super::load::{ImageError, ImageFile, ImageLimits, check_size, read_with};
 use super::texture::TextureImage;
 use mdl_jit::texture::{Format, MAX_SIZE};
-use std::path::Path;
 
 /// Bytes before the values.
 const HEADER: usize = 48;
 
 /// Reads a grid. One channel is a grey of alpha 1; three and four are colours. A value that is no finite
 /// number is an error. A selector that is not empty names one of the channels `R`, `G`, `B` and `A`.
-pub fn load_grid(path: &Path, selector: &str, limits: &ImageLimits) -> Result<TextureImage, ImageError> {
-    read_with(path, limits, |bytes| {
+pub fn load_grid<'a>(
+    file: impl Into<ImageFile<'a>>,
+    selector: &str,
+    limits: &ImageLimits,
+) -> Result<TextureImage, ImageError> {
+    read_with(file.into(), limits, |bytes| {
         let grid = decode(bytes, limits)?;
         if selector.is_empty() { Ok(grid) } else { channel(grid, selector) }
     })

@@ -7,9 +7,8 @@
 //!
 //! Everything is bounded: sizes by the file, numbers by being finite, angles by ascending.
 
-use super::load::{ImageError, ImageLimits, read_with};
+use super::load::{ImageError, ImageFile, ImageLimits, read_with};
 use super::profile::Profile;
-use std::path::Path;
 
 /// Most bytes of a file.
 const MAX_BYTES: u64 = 16 << 20;
@@ -17,9 +16,9 @@ const MAX_BYTES: u64 = 16 << 20;
 const MAX_ANGLES: usize = 4096;
 
 /// Reads a light profile.
-pub fn load_profile(path: &Path) -> Result<Profile, ImageError> {
+pub fn load_profile<'a>(file: impl Into<ImageFile<'a>>) -> Result<Profile, ImageError> {
     let limits = ImageLimits { bytes: MAX_BYTES, ..ImageLimits::default() };
-    read_with(path, &limits, |bytes| parse(&String::from_utf8_lossy(bytes)))
+    read_with(file.into(), &limits, |bytes| parse(&String::from_utf8_lossy(bytes)))
 }
 
 /// Photometric type.
@@ -238,6 +237,7 @@ fn place(angles: &[f64], x: f64) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     fn file(kind: u32, vertical: &str, horizontal: &str, candela: &str) -> String {
         let count = |list: &str| list.split_whitespace().count();

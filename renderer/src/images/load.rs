@@ -7,6 +7,7 @@
 use super::{FloatImage, select};
 use crate::film::tonemap::srgb_decode;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,6 +25,21 @@ pub struct ImageLimits {
 impl Default for ImageLimits {
     fn default() -> Self {
         Self { side: 32_768, bytes: 4 << 30 }
+    }
+}
+
+/// A file that is read: on disk, or with its content given.
+#[derive(Clone, Copy, Debug)]
+pub struct ImageFile<'a> {
+    /// Its name.
+    pub path: &'a Path,
+    /// What is in it; nothing if it is to be read from disk.
+    pub bytes: Option<&'a [u8]>,
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for ImageFile<'a> {
+    fn from(path: &'a P) -> Self {
+        Self { path: path.as_ref(), bytes: None }
     }
 }
 
@@ -54,7 +70,7 @@ pub(super) struct Decoded {
 /// Reads an environment map. Integers are taken as sRGB, floats as linear; alpha is left out. A texel that
 /// is negative or no finite number is an error: it is no radiance, and whoever made the file should know.
 pub fn load_environment(path: &Path, limits: &ImageLimits) -> Result<FloatImage, ImageError> {
-    let Decoded { width, height, texels } = decode_file(path, "", limits)?;
+    let Decoded { width, height, texels } = decode_file(path.into(), "", limits)?;
     let pixels: Vec<[f32; 3]> = match texels {
         Texels::Bytes(t) => t.iter().map(|&t| rgb(t.map(|c| srgb_decode(f32::from(c) / 255.0)))).collect(),
         Texels::Shorts(t) => {
@@ -83,12 +99,16 @@ pub(super) fn texel_name(i: usize, width: u32) -> String {
 }
 
 /// Reads a file of any kind: its colour, or what a selector that is not empty names.
-pub(super) fn decode_file(path: &Path, selector: &str, limits: &ImageLimits) -> Result<Decoded, ImageError> {
-    read_with(path, limits, |bytes| match (super::exr::is_exr(bytes), selector) {
+pub(super) fn decode_file(
+    file: ImageFile<'_>,
+    selector: &str,
+    limits: &ImageLimits,
+) -> Result<Decoded, ImageError> {
+    read_with(file, limits, |bytes| match (super::exr::is_exr(bytes), selector) {
         (true, "") => super::exr::decode(bytes, limits),
         (true, selector) => select::exr(bytes, selector, limits),
         (false, _) => {
-            let has_tga_name = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+            let has_tga_name = file.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
             let decoded = decode(bytes, has_tga_name, limits)?;
             if selector.is_empty() { Ok(decoded) } else { select::channel(decoded, selector) }
         }
@@ -97,16 +117,19 @@ pub(super) fn decode_file(path: &Path, selector: &str, limits: &ImageLimits) -> 
 
 /// Reads a file and decodes it with `decode`, whose panics are errors.
 pub(super) fn read_with<T>(
-    path: &Path,
+    file: ImageFile<'_>,
     limits: &ImageLimits,
     decode: impl FnOnce(&[u8]) -> Result<T, String>,
 ) -> Result<T, ImageError> {
     let read = || {
-        let bytes = read_bytes(path, limits)?;
+        let bytes = match file.bytes {
+            Some(bytes) => Cow::Borrowed(bytes),
+            None => Cow::Owned(read_bytes(file.path, limits)?),
+        };
         let decoded = catch_unwind(AssertUnwindSafe(|| decode(&bytes)));
         decoded.unwrap_or_else(|_| Err("the file is broken: its decoder gave up".to_string()))
     };
-    read().map_err(|cause| ImageError { path: path.to_path_buf(), cause })
+    read().map_err(|cause| ImageError { path: file.path.to_path_buf(), cause })
 }
 
 fn read_bytes(path: &Path, limits: &ImageLimits) -> Result<Vec<u8>, String> {

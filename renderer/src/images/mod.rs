@@ -11,7 +11,7 @@ pub mod texture;
 pub use self::exr::{read_exr, write_exr};
 pub use grid::load_grid;
 pub use ies::load_profile;
-pub use load::{ImageError, ImageLimits, load_environment};
+pub use load::{ImageError, ImageFile, ImageLimits, load_environment};
 pub use texture::{Gamma, TextureImage, load_selected_texture, load_texture};
 
 /// Linear colour, three floats per pixel.

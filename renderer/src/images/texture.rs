@@ -1,6 +1,6 @@
 //! Textures from files, in the form that texture tables take.
 
-use super::load::{Decoded, ImageError, ImageLimits, Texels, decode_file, texel_name};
+use super::load::{Decoded, ImageError, ImageFile, ImageLimits, Texels, decode_file, texel_name};
 use super::select::is_alpha;
 use crate::film::tonemap::srgb_decode;
 use exr::prelude::f16;
@@ -50,13 +50,14 @@ pub fn load_texture(path: &Path, gamma: Gamma, limits: &ImageLimits) -> Result<T
 
 /// Reads what a selector names: one of the channels `R`, `G`, `B` and `A`, in OpenEXR files also
 /// `layer.channel` and `layer`; nothing for the colour. One channel is a grey of alpha 1.
-pub fn load_selected_texture(
-    path: &Path,
+pub fn load_selected_texture<'a>(
+    file: impl Into<ImageFile<'a>>,
     selector: &str,
     gamma: Gamma,
     limits: &ImageLimits,
 ) -> Result<TextureImage, ImageError> {
-    let Decoded { width, height, texels } = decode_file(path, selector, limits)?;
+    let file = file.into();
+    let Decoded { width, height, texels } = decode_file(file, selector, limits)?;
     let gamma = if is_alpha(selector) { Gamma::Linear } else { gamma };
     let (format, texels) = match texels {
         Texels::Bytes(t) => {
@@ -74,7 +75,7 @@ pub fn load_selected_texture(
         Texels::Floats(mut t) => {
             if let Some(i) = t.iter().position(|t| !t.iter().all(|c| c.is_finite())) {
                 let cause = format!("{} is not finite: {:?}", texel_name(i, width), t[i]);
-                return Err(ImageError { path: path.to_path_buf(), cause });
+                return Err(ImageError { path: file.path.to_path_buf(), cause });
             }
             if gamma == Gamma::Srgb {
                 t.iter_mut().for_each(|t| *t = decode_color(*t));
