@@ -54,7 +54,8 @@ pub fn pieces(text: &str) -> Vec<Piece> {
             let comment = Comment {
                 span: comment,
                 is_line: text[comment.start as usize..].starts_with("//"),
-                own_line: rest.contains('\n'),
+                // The end of the text will be a line of its own.
+                own_line: rest.contains('\n') || next as usize == text.len(),
                 before_gap: lines(rest) > 1,
             };
             let first = piece.before.is_empty();

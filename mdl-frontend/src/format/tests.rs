@@ -138,6 +138,14 @@ fn keeps_its_meaning(text: &str, path: &std::path::Path) -> bool {
 }
 
 #[test]
+fn comments_at_the_end_need_no_line_end() {
+    for text in ["mdl 1.7;\n/* a *///b", "mdl 1.7;\n/* a *//* b */", "mdl 1.7; /* a *//* b */"] {
+        let once = format(text, "test").expect("it parses");
+        assert_eq!(format(&once, "test").as_deref(), Ok(&*once), "{text}");
+    }
+}
+
+#[test]
 fn returns_before_a_line_end_go_together() {
     let once = format("mdl 1.7;\r\r\n/* a\r\r\nb */\r\n", "test").expect("it parses");
     assert_eq!(once, "mdl 1.7;\n/* a\nb */\n");
