@@ -15,7 +15,8 @@ const BLOCK: usize = 512;
 fn corpus() -> Vec<(String, Vec<u8>)> {
     let packed = include_bytes!("../../fuzz/corpus.tar.gz");
     assert_eq!(packed[..4], [0x1F, 0x8B, 8, 0], "packed by `gzip -n`");
-    let tar = miniz_oxide::inflate::decompress_to_vec(&packed[GZIP_HEADER..packed.len() - 8]).expect("deflated");
+    let tar =
+        miniz_oxide::inflate::decompress_to_vec(&packed[GZIP_HEADER..packed.len() - 8]).expect("deflated");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_matches(['\0', ' ']).to_string();
     let (mut files, mut at) = (Vec::new(), 0);
     while at + BLOCK <= tar.len() && tar[at] != 0 {

@@ -1,0 +1,205 @@
+//! Error against cost, lobe by lobe: the relative error of `f` and `pdf` in `f32` against `f64` at directions
+//! that the lobe itself samples, and nanoseconds per call of the native evaluator. Prints rows of
+//! `docs/accuracy.md`.
+//!
+//! `cargo bench --bench lobes`
+
+use layered_bsdf::prelude::*;
+use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+use std::time::Instant;
+
+/// Pairs of directions per row.
+const PAIRS: usize = 2000;
+/// Leaves of a result: diffuse, glossy, density, specular.
+const LEAVES: usize = 10;
+
+fn main() {
+    let quick = std::env::args().any(|arg| arg == "--test");
+    let code = Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"));
+    println!("| lobe | error of f: median, worst | of the density: median, worst | eval, ns | sample, ns |");
+    println!("|---|---|---|---|---|");
+    for (name, tree, point) in lobes().into_iter().take(if quick { 2 } else { usize::MAX }) {
+        let mut lobe = Lobe::new(&tree, point);
+        let pairs = lobe.pairs();
+        let single: Vec<_> = pairs.iter().map(|(wo, wi)| lobe.eval(*wo, *wi)).collect();
+        let double = precise(&code, &tree, point, &pairs);
+        let f = errors(single.iter().zip(&double).map(|((f, _), (exact, _))| (*f, *exact)));
+        let pdf = errors(single.iter().zip(&double).map(|((_, p), (_, exact))| (*p, *exact)));
+        let rounds = if quick { 1 } else { 40 };
+        let eval = nanoseconds(rounds, || pairs.iter().map(|(wo, wi)| lobe.eval(*wo, *wi).1).sum());
+        let mut lobe = Lobe::new(&tree, point);
+        let sample = nanoseconds(rounds, || {
+            let mut draw = |i: usize| lobe.sample(pairs[i].0, numbers(i)).pdf;
+            (0..pairs.len()).map(|i| f64::from(draw(i))).sum()
+        });
+        println!(
+            "| {name} | {:.0e}, {:.0e} | {:.0e}, {:.0e} | {eval:.0} | {sample:.0} |",
+            f.0, f.1, pdf.0, pdf.1
+        );
+    }
+}
+
+/// A tree laid out.
+struct Lobe {
+    program: Program,
+    params: Params,
+    point: ShadingPoint,
+}
+
+impl Lobe {
+    fn new(tree: &Tree<f32>, point: ShadingPoint) -> Self {
+        let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
+        Self { program: program.to_program(), params, point }
+    }
+
+    /// Value and density.
+    fn eval(&mut self, wo: Vec3f, wi: Vec3f) -> (f64, f64) {
+        let v = bsdf_eval(&mut self.program, &mut self.params, self.point, wo, wi);
+        (f64::from(v.diffuse.y + v.glossy.y), f64::from(v.pdf))
+    }
+
+    fn sample(&mut self, wo: Vec3f, u: [f32; 3]) -> BsdfSample {
+        bsdf_sample(&mut self.program, &mut self.params, self.point, wo, vec3f(u[0], u[1], u[2]))
+    }
+
+    /// Views at cosines from 1 to 1e-6, each with a direction that is sampled for it.
+    fn pairs(&mut self) -> Vec<(Vec3f, Vec3f)> {
+        let mut pairs = Vec::new();
+        for i in 0..4 * PAIRS {
+            let [a, b, _] = numbers(i + 77);
+            let z = 10f32.powf(-6.0 * a * a);
+            let (r, phi) = (((1.0 - z) * (1.0 + z)).sqrt(), std::f32::consts::TAU * b);
+            let wo = vec3f(r * phi.cos(), r * phi.sin(), z);
+            let sample = self.sample(wo, numbers(i));
+            if sample.pdf > 0.0 && sample.event & EVENT_SPECULAR == 0 && pairs.len() < PAIRS {
+                pairs.push((wo, sample.wi));
+            }
+        }
+        pairs
+    }
+}
+
+/// Three numbers of a lattice (M. Roberts, 2018).
+fn numbers(index: usize) -> [f32; 3] {
+    const ROOT: f64 = 1.220_744_084_605_76;
+    [1, 2, 3]
+        .map(|power| (0.5 + index as f64 / ROOT.powi(power)).fract() as f32)
+        .map(|u| u.min(1.0 - f32::EPSILON))
+}
+
+/// The same values by the interpreter in `f64`.
+fn precise(code: &Code, tree: &Tree<f32>, point: ShadingPoint, pairs: &[(Vec3f, Vec3f)]) -> Vec<(f64, f64)> {
+    let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
+    let program = program.to_program();
+    let mut words = vec![program.count];
+    words.extend(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
+    let params: Vec<u32> = params.v.iter().map(|x| x.to_bits()).collect();
+    let vectors = [point.geometry_normal, point.ior_near, point.ior_far];
+    let vectors = vectors.into_iter().flat_map(|v| [v.x, v.y, v.z]);
+    let mut at: Vec<Input<'_>> = vectors.chain([point.near, point.far, point.eta]).map(Input::F32).collect();
+    at.push(Input::U32(point.flags));
+    let axes = |of: fn(&(Vec3f, Vec3f)) -> Vec3f| {
+        let all: Vec<Vec3f> = pairs.iter().map(of).collect();
+        [
+            all.iter().map(|w| w.x).collect(),
+            all.iter().map(|w| w.y).collect(),
+            all.iter().map(|w| w.z).collect(),
+        ]
+    };
+    let (wo, wi): ([Vec<f32>; 3], [Vec<f32>; 3]) = (axes(|pair| pair.0), axes(|pair| pair.1));
+    let leaves = |w: &'_ [Vec<f32>; 3]| w.iter().map(|axis| axis.to_vec()).collect::<Vec<_>>();
+    let (wo, wi) = (leaves(&wo), leaves(&wi));
+    let args = vec![
+        Argument::Words(&words),
+        Argument::Words(&params),
+        Argument::Leaves(at),
+        Argument::Leaves(wo.iter().map(|axis| Input::F32s(axis)).collect()),
+        Argument::Leaves(wi.iter().map(|axis| Input::F32s(axis)).collect()),
+    ];
+    let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
+    let modes = vec![table.clone(), table, ArgMode::Value(Mode::Uniform), varying.clone(), varying];
+    let mut wide = vec![vec![0f64; pairs.len()]; LEAVES];
+    let outputs = wide.iter_mut().map(|column| Output::F64(column)).collect();
+    let mut batch = Batch { len: pairs.len(), args, outputs, ..Batch::default() };
+    let function = code.function("bsdf_eval").expect("the library has an evaluator");
+    let (signature, options) = (Signature { args: modes }, Options::default());
+    Executor::Interp64
+        .execute(&code.module, &code.info, function, &signature, &options, &mut batch)
+        .unwrap_or_else(|e| panic!("{e}"));
+    drop(batch);
+    (0..pairs.len()).map(|i| (wide[1][i] + wide[4][i], wide[6][i])).collect()
+}
+
+/// Median and worst relative error.
+fn errors(pairs: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    let relative = |(a, exact): (f64, f64)| (a - exact).abs() / exact.abs().max(1e-30);
+    let mut all: Vec<f64> = pairs.map(relative).collect();
+    all.sort_by(f64::total_cmp);
+    (all.get(all.len() / 2).copied().unwrap_or(0.0), all.last().copied().unwrap_or(0.0))
+}
+
+/// The fastest of some rounds over all pairs.
+fn nanoseconds(rounds: usize, mut run: impl FnMut() -> f64) -> f64 {
+    let round = |run: &mut dyn FnMut() -> f64| {
+        let start = Instant::now();
+        std::hint::black_box(run());
+        start.elapsed().as_secs_f64()
+    };
+    (0..rounds).map(|_| round(&mut run)).fold(f64::INFINITY, f64::min) * 1e9 / PAIRS as f64
+}
+
+fn glossy(model: GlossyModel, alpha: f32, mode: ScatterMode) -> Tree<f32> {
+    Tree::Glossy {
+        model,
+        tint: [0.9; 3],
+        multiscatter_tint: None,
+        roughness_u: alpha,
+        roughness_v: alpha,
+        mode,
+        tangent: None,
+    }
+}
+
+/// What is measured.
+fn lobes() -> Vec<(String, Tree<f32>, ShadingPoint)> {
+    let at = |near: f32, far: f32| {
+        let ior = |x: f32| vec3f(x, x, x);
+        shading_point(vec3f(0.0, 0.0, 1.0), ior(near), ior(far), 0)
+    };
+    let diffuse = |roughness| Tree::DiffuseReflection { tint: [0.8; 3], roughness, multiscatter_tint: None };
+    let mut list = vec![
+        ("diffuse".to_string(), diffuse(0.0), at(1.0, 1.5)),
+        ("diffuse, rough".to_string(), diffuse(0.7), at(1.0, 1.5)),
+        ("sheen 0.3".to_string(), Tree::Sheen { tint: [0.9; 3], roughness: 0.3 }, at(1.0, 1.5)),
+    ];
+    for alpha in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
+        let tree = glossy(GlossyModel::GgxSmith, alpha, ScatterMode::Reflect);
+        list.push((format!("GGX Smith, alpha {alpha}"), tree, at(1.0, 1.5)));
+    }
+    for model in [
+        GlossyModel::BeckmannSmith,
+        GlossyModel::GgxVcavities,
+        GlossyModel::BeckmannVcavities,
+        GlossyModel::Simple,
+        GlossyModel::Ward,
+        GlossyModel::Backscattering,
+    ] {
+        for alpha in [0.3, 1e-3] {
+            let tree = glossy(model, alpha, ScatterMode::Reflect);
+            list.push((format!("{model:?}, alpha {alpha}"), tree, at(1.0, 1.5)));
+        }
+    }
+    for (name, near, far) in [("into", 1.0, 1.5), ("out of", 1.5, 1.0)] {
+        let tree = glossy(GlossyModel::GgxSmith, 0.3, ScatterMode::ReflectTransmit);
+        list.push((format!("GGX Smith {name} glass, alpha 0.3"), tree, at(near, far)));
+    }
+    let coat = Tree::Layer {
+        curve: Curve::Fresnel { ior: 1.5 },
+        weight: [1.0; 3],
+        normal: None,
+        layer: Box::new(glossy(GlossyModel::GgxSmith, 0.3, ScatterMode::Reflect)),
+        base: Box::new(diffuse(0.0)),
+    };
+    list.push(("Fresnel layer of GGX over diffuse".to_string(), coat, at(1.0, 1.5)));
+    list
+}
