@@ -5,7 +5,7 @@ use super::expr::spelling;
 use super::hir::{Body, ExprId, ExprKind};
 use super::scope::{LocalEntry, LocalName};
 use super::ty::DefId;
-use crate::diagnostics::{Problem, flow as problems, names as name_problems, types as type_problems};
+use crate::diagnostics::{Code, Problem, flow as problems, names as name_problems, types as type_problems};
 use crate::graph::BinaryOp;
 use crate::span::Span;
 use crate::syntax::ast;
@@ -13,11 +13,16 @@ use crate::types::Scalar;
 use crate::value::Value;
 use std::collections::HashMap;
 
+/// The code of an import that is not found.
+const MODULE_NOT_FOUND: Code = Code("E0201");
+
 impl<'a> Checker<'_, 'a> {
-    /// Warns of a name that is not used, or used though it is marked as unused.
+    /// Warns of a name that is not used, or used though it is marked as unused. A module that lacks an import
+    /// is spared: it is known to be incomplete.
     pub(super) fn lint_use<P: Problem>(&mut self, local: &LocalName<'a>, unused: impl Fn(String) -> P) {
         let is_value = matches!(local.entry, LocalEntry::Variable(_) | LocalEntry::Constant(..));
-        if is_value && !local.used && !local.may_be_unused {
+        let lacks_import = || self.m.sink.list().iter().any(|d| d.code == MODULE_NOT_FOUND);
+        if is_value && !local.used && !local.may_be_unused && !lacks_import() {
             self.emit(local.span, unused(local.name.to_string()));
         }
         if local.used && local.marked {
