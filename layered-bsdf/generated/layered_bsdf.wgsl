@@ -1,3 +1,5 @@
+// Generated from the Rust of this crate, as one file because WGSL has no modules.
+
 const PI: f32 = 3.1415927;
 const FRAC_1_PI: f32 = 0.31830987;
 

@@ -1,10 +1,7 @@
 //! What fuzzing has kept (`fuzz/corpus.tar.gz`) is run again: no panic, and graphs that the verifier accepts.
 
-use mdl_frontend::container::Container;
-use mdl_frontend::graph::Mode;
-use mdl_frontend::loader::{LoadedSource, MemoryLoader, ModuleIdentity};
-use mdl_frontend::verify::verify;
-use mdl_frontend::{Compiler, doc, format};
+#[path = "support/fuzzing.rs"]
+mod fuzzing;
 
 /// Bytes of a header of `gzip` without a name.
 const GZIP_HEADER: usize = 10;
@@ -31,46 +28,19 @@ fn corpus() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-fn check(bytes: Vec<u8>) {
-    let compiler = Compiler::new(MemoryLoader::new().with_all_resources());
-    let identity = ModuleIdentity::new("::fuzz", "fuzz.mdl", "root");
-    let module = compiler.check_source(LoadedSource { identity, bytes });
-    doc::page(&module);
-    if module.has_errors() {
-        return;
-    }
-    for material in module.materials() {
-        for mode in [Mode::Class, Mode::Instance] {
-            if let Ok(graph) = compiler.material_graph(&module, &material.name, mode, &[]) {
-                assert_eq!(verify(&graph.graph), Ok(()), "{graph}");
-            }
-        }
-    }
-    for function in module.functions() {
-        if let Ok(graph) = compiler.function_graph(&module, &function.name, Mode::Class, &[]) {
-            assert_eq!(verify(&graph.graph), Ok(()), "{graph}");
-        }
-    }
-}
-
 #[test]
 fn what_fuzzing_kept_is_survived() {
     let files = corpus();
     assert!(files.len() > 1000, "only {} files", files.len());
     for (name, bytes) in files {
         match name.split('/').next() {
-            Some("container") => {
-                if let Ok(container) = Container::read("woods.mdr", bytes) {
-                    container.files().for_each(|file| _ = container.file(file));
-                }
+            Some("container") => fuzzing::container(&bytes),
+            Some("syntax") => fuzzing::syntax(&bytes),
+            // A module may also be formatted.
+            _ => {
+                fuzzing::check(&bytes);
+                fuzzing::syntax(&bytes);
             }
-            Some("syntax") => {
-                let Ok(text) = String::from_utf8(bytes) else { continue };
-                if let Ok(once) = format::format(&text, "fuzz.mdl") {
-                    assert_eq!(format::format(&once, "fuzz.mdl").as_deref(), Ok(&*once), "{name}");
-                }
-            }
-            _ => check(bytes),
         }
     }
 }

@@ -15,12 +15,15 @@ fn the_library_is_valid_wgsl() {
     }
 }
 
+/// What the checked-in text begins with.
+const HEADER: &str = "// Generated from the Rust of this crate, as one file because WGSL has no modules.\n\n";
+
 /// The generated text lies beside the source: a change of the generator shows up in review, and the
 /// text can take the source's place should the generator go. `UPDATE_GOLDEN=1 cargo test` rewrites it.
 #[test]
 fn the_checked_in_text_is_current() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated/layered_bsdf.wgsl");
-    let source = layered_bsdf::wgsl::source();
+    let source = HEADER.to_string() + &layered_bsdf::wgsl::source();
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(&path, &source).expect("the folder is part of the source tree");
     }

@@ -3,8 +3,8 @@
 //! Every texel of the map is the mean of [`COARSE`]² samples. Texels whose samples, with those around them,
 //! differ by more light than [`WORTH`] of all light become [`Inset`]s, each cell of which is the mean of
 //! [`FINE`]² samples. So do their neighbours: a disk may reach into them between their samples, and what is
-//! interpolated must not mix with what is not. The brightest texels are looked at closely in any case: a glow leads to a disk that all
-//! samples missed.
+//! interpolated must not mix with what is not. The brightest texels are looked at closely in any case: a glow
+//! leads to a disk that all samples missed.
 //!
 //! What is lost: a feature narrower than 1/[`COARSE`] of a texel that nothing announces, and what insets
 //! beyond [`MOST`] would hold. What is left of an edge in a texel that is not worth an inset is interpolated.
