@@ -2,12 +2,16 @@
 //! `f64`), SPMD lanes on the CPU, and a compute kernel. They must say the same.
 
 use layered_bsdf::prelude::*;
-use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+use mdl_jit::{
+    ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature, evaluator,
+};
 
 /// Pairs of directions per tree.
 const PAIRS: usize = 259;
-/// Leaves of the result: diffuse, glossy, density, specular.
+/// Leaves of the result: diffuse, glossy, density, specular; of a sample, direction, density, weight, event.
 const LEAVES: usize = 10;
+const EVAL: &str = "bsdf_eval";
+const SAMPLE: &str = "bsdf_sample";
 
 /// Native code and the `f32` interpreter do the same IEEE operations in the same order.
 const EXACT: f64 = 0.0;
@@ -148,23 +152,37 @@ fn point() -> ShadingPoint {
     shading_point(vec3f(0.0, 0.0, 1.0), air, glass, 0)
 }
 
-/// Results, a row per pair.
+/// Results, a row per pair: of `bsdf_eval`, or of `bsdf_sample` with `wi` as random numbers.
 type Rows = Vec<[f64; LEAVES]>;
 
-fn native(tree: &Tree<f32>) -> Rows {
+fn native(function: &str, tree: &Tree<f32>) -> Rows {
     let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
     let mut program = program.to_program();
-    let pairs = directions();
     let row = |(wo, wi): &([f32; 3], [f32; 3])| {
         let [wo, wi] = [wo, wi].map(|w| vec3f(w[0], w[1], w[2]));
-        let v = bsdf_eval(&mut program, &mut params, point(), wo, wi);
-        let [d, g, s] = [v.diffuse, v.glossy, v.specular];
-        [d.x, d.y, d.z, g.x, g.y, g.z, v.pdf, s.x, s.y, s.z].map(f64::from)
+        let row = if function == SAMPLE {
+            let s = bsdf_sample(&mut program, &mut params, point(), wo, wi);
+            [s.wi.x, s.wi.y, s.wi.z, s.pdf, s.weight.x, s.weight.y, s.weight.z, s.event as f32, 0.0, 0.0]
+        } else {
+            let v = bsdf_eval(&mut program, &mut params, point(), wo, wi);
+            let [d, g, s] = [v.diffuse, v.glossy, v.specular];
+            [d.x, d.y, d.z, g.x, g.y, g.z, v.pdf, s.x, s.y, s.z]
+        };
+        row.map(f64::from)
     };
-    pairs.iter().map(row).collect()
+    pairs(function).iter().map(row).collect()
 }
 
-fn run(code: &Code, executor: Executor<'_>, tree: &Tree<f32>) -> Rows {
+/// Pairs of directions, or directions and random numbers.
+fn pairs(function: &str) -> Vec<([f32; 3], [f32; 3])> {
+    let mut pairs = directions();
+    if function == SAMPLE {
+        pairs.iter_mut().for_each(|(_, wi)| *wi = wi.map(|x| (0.5 + 0.5 * x).clamp(0.0, 0.999_999)));
+    }
+    pairs
+}
+
+fn run(code: &Code, executor: Executor<'_>, function: &str, tree: &Tree<f32>) -> Rows {
     let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
     let program = program.to_program();
     let mut words = vec![program.count];
@@ -174,7 +192,7 @@ fn run(code: &Code, executor: Executor<'_>, tree: &Tree<f32>) -> Rows {
     let vectors = [p.geometry_normal, p.ior_near, p.ior_far].into_iter().flat_map(|v| [v.x, v.y, v.z]);
     let mut at: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
     at.push(Input::U32(p.flags));
-    let pairs = directions();
+    let pairs = pairs(function);
     let wo: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(wo, _)| wo[axis]).collect());
     let wi: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(_, wi)| wi[axis]).collect());
     let (wo, wi) = (wo.each_ref().map(Vec::as_slice), wi.each_ref().map(Vec::as_slice));
@@ -188,25 +206,29 @@ fn run(code: &Code, executor: Executor<'_>, tree: &Tree<f32>) -> Rows {
     let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
     let modes = vec![table.clone(), table, ArgMode::Value(Mode::Uniform), varying.clone(), varying];
     let precise = matches!(executor, Executor::Interp64);
-    let (mut narrow, mut wide) = (vec![vec![0f32; PAIRS]; LEAVES], vec![vec![0f64; PAIRS]; LEAVES]);
-    let outputs = match precise {
+    let floats = if function == SAMPLE { 7 } else { LEAVES };
+    let (mut narrow, mut wide) = (vec![vec![0f32; PAIRS]; floats], vec![vec![0f64; PAIRS]; floats]);
+    let mut event = vec![0u32; PAIRS];
+    let mut outputs: Vec<Output<'_>> = match precise {
         true => wide.iter_mut().map(|c| Output::F64(c)).collect(),
         false => narrow.iter_mut().map(|c| Output::F32(c)).collect(),
     };
+    if function == SAMPLE {
+        outputs.push(Output::U32(&mut event));
+    }
     let mut batch = Batch { len: PAIRS, args, outputs, ..Batch::default() };
-    let function = code.function("bsdf_eval").expect("the library has an evaluator");
+    let handle = code.function(function).expect("the library has an evaluator");
+    let signature = Signature { args: modes };
     executor
-        .execute(
-            &code.module,
-            &code.info,
-            function,
-            &Signature { args: modes },
-            &Options::default(),
-            &mut batch,
-        )
+        .execute(&code.module, &code.info, handle, &signature, &Options::default(), &mut batch)
         .unwrap_or_else(|e| panic!("{e}"));
     drop(batch);
-    let leaf = |l: usize, i: usize| if precise { wide[l][i] } else { f64::from(narrow[l][i]) };
+    let leaf = |l: usize, i: usize| match l {
+        7 if function == SAMPLE => f64::from(event[i]),
+        _ if l >= floats => 0.0,
+        _ if precise => wide[l][i],
+        _ => f64::from(narrow[l][i]),
+    };
     (0..PAIRS).map(|i| std::array::from_fn(|l| leaf(l, i))).collect()
 }
 
@@ -236,21 +258,34 @@ fn library() -> Code {
     Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// The part of the library that `tree` needs.
+fn needed(function: &str, tree: &Tree<f32>) -> Code {
+    let (program, _) = LayerProgram::new(tree).expect("a small tree");
+    evaluator(&program, &[function]).unwrap_or_else(|e| panic!("{e}"))
+}
+
 #[test]
 fn native_code_interpreter_and_lanes_agree_bit_for_bit() {
-    let code = library();
-    for (name, tree) in trees() {
-        let (native, interpreted) = (native(&tree), run(&code, Executor::Interp32, &tree));
-        check(name, &native, &interpreted, EXACT).unwrap_or_else(|e| panic!("{e}"));
-        check(name, &interpreted, &run(&code, Executor::Cpu, &tree), LANES).unwrap_or_else(|e| panic!("{e}"));
+    let library = library();
+    for function in [EVAL, SAMPLE] {
+        for (name, tree) in trees() {
+            let name = format!("{name}, {function}");
+            let code = needed(function, &tree);
+            let whole = run(&library, Executor::Interp32, function, &tree);
+            let part = run(&code, Executor::Interp32, function, &tree);
+            let lanes = run(&code, Executor::Cpu, function, &tree);
+            for (other, tolerance) in [(native(function, &tree), EXACT), (part, EXACT), (lanes, LANES)] {
+                check(&name, &whole, &other, tolerance).unwrap_or_else(|e| panic!("{e}"));
+            }
+        }
     }
 }
 
 #[test]
 fn single_precision_is_close_to_double() {
-    let code = library();
     for (name, tree) in trees() {
-        let (single, double) = (native(&tree), run(&code, Executor::Interp64, &tree));
+        let code = needed(EVAL, &tree);
+        let (single, double) = (native(EVAL, &tree), run(&code, Executor::Interp64, EVAL, &tree));
         // Where little is left of a cancellation at the edge of a lobe, the absolute value decides.
         for (i, (a, b)) in single.iter().zip(&double).enumerate() {
             for (l, (a, b)) in a.iter().zip(b).enumerate() {
@@ -272,18 +307,18 @@ fn compute_kernels_agree() {
             return;
         }
     };
-    let code = library();
+    // One module for all: a driver may take a minute to compile one.
+    let library = library();
     for (name, tree) in trees() {
-        let kernel = run(&code, Executor::Gpu(&context), &tree);
-        check(name, &native(&tree), &kernel, GPU).unwrap_or_else(|e| panic!("{e}"));
+        let kernel = run(&library, Executor::Gpu(&context), EVAL, &tree);
+        check(name, &native(EVAL, &tree), &kernel, GPU).unwrap_or_else(|e| panic!("{e}"));
     }
 }
 
 #[test]
 fn parity_detects_a_planted_difference() {
-    let code = library();
     let (name, tree) = &trees()[5];
-    let rows = run(&code, Executor::Cpu, tree);
+    let rows = run(&needed(EVAL, tree), Executor::Cpu, EVAL, tree);
     let mut planted = rows.clone();
     let lit = planted.iter_mut().find(|row| row[6] > 0.0).expect("some pairs lie on one side");
     lit[6] *= 1.0 + 2.0 * GPU;

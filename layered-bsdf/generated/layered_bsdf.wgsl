@@ -1233,6 +1233,10 @@ fn glossy_eval(lobe: Glossy, wo: vec3f, wi: vec3f) -> LobeValue {
     if (lobe.op == OP_GGX_SMITH) {
         return ggx_eval(lobe.ggx, wo, wi);
     }
+    return facet_eval(lobe, wo, wi);
+}
+
+fn facet_eval(lobe: Glossy, wo: vec3f, wi: vec3f) -> LobeValue {
     if ((wo.z <= 0.0) || (wi.z == 0.0)) {
         return lobe_zero();
     }
@@ -1354,6 +1358,10 @@ fn glossy_sample(lobe: Glossy, wo: vec3f, u: vec2f, uc: f32) -> LobeSample {
     if (lobe.op == OP_GGX_SMITH) {
         return ggx_sample(lobe.ggx, wo, u, uc);
     }
+    return facet_sample(lobe, wo, u, uc);
+}
+
+fn facet_sample(lobe: Glossy, wo: vec3f, u: vec2f, uc: f32) -> LobeSample {
     if (wo.z <= 0.0) {
         return lobe_absorb();
     }

@@ -47,6 +47,7 @@ pub mod math;
 pub mod nodes;
 pub mod prelude;
 pub mod program;
+pub mod reach;
 pub mod sampling;
 pub mod spot;
 pub mod wgsl;

@@ -8,7 +8,7 @@ use std::time::Instant;
 use layered_bsdf::math::{hash_u32, hash_unit};
 use layered_bsdf::prelude::*;
 use mdl_jit::{
-    ArgMode, Argument, Batch, Input, Kernel, Lanes, Mode, Options, Output, Program as Code, Signature, Tier,
+    ArgMode, Argument, Batch, Input, Kernel, Lanes, Mode, Options, Output, Signature, Tier, evaluator,
 };
 
 const POINTS: usize = 4096;
@@ -104,8 +104,9 @@ fn native_sample(program: &mut Program, params: &mut Params, wo: Vec3f, u: Vec3f
     s.wi.x + s.weight.y + s.pdf
 }
 
-fn measure(code: &Code, data: &Data, task: &Task, name: &str, tree: &Tree<f32>, runs: usize) {
+fn measure(data: &Data, task: &Task, name: &str, tree: &Tree<f32>, runs: usize) {
     let (layers, mut params) = LayerProgram::with_values(tree).expect("a small tree");
+    let code = evaluator(&layers, &[task.function]).expect("the library has it");
     let mut program = layers.to_program();
     let words: Vec<u32> = std::iter::once(program.count)
         .chain(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]))
@@ -180,7 +181,6 @@ fn measure(code: &Code, data: &Data, task: &Task, name: &str, tree: &Tree<f32>, 
 fn main() {
     let quick = std::env::args().any(|a| a == "--quick" || a == "--test");
     let runs = if quick { 1 } else { 20 };
-    let code = Code::from_wgsl(&layered_bsdf::wgsl::source()).expect("the library validates");
     let data = Data::new();
     let tasks = [
         Task { function: "bsdf_eval", floats: 10, native: native_eval },
@@ -188,7 +188,7 @@ fn main() {
     ];
     for task in &tasks {
         for (name, tree) in trees() {
-            measure(&code, &data, task, name, &tree, runs);
+            measure(&data, task, name, &tree, runs);
         }
     }
 }

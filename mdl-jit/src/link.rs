@@ -3,12 +3,13 @@
 //! A [`Linker`] copies functions into the module that it builds, each with the functions it calls, and
 //! types, constants and global variables as they are met. Callees are copied before their callers, as
 //! naga demands. A call to a function whose name has been given a replacement goes to that instead:
-//! this is how a stub gets its body, from whatever module has it.
+//! this is how a stub gets its body, from whatever module has it. A function that is never called may be
+//! left out: it is copied as one that returns zero.
 //!
 //! Does not: merge equal functions of different modules, keep entry points or diagnostic filters. The
 //! result has not been validated.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use naga::{Block, Expression, Function, GlobalVariable, Handle, Module, Statement, Type, TypeInner};
 
@@ -34,6 +35,7 @@ pub struct Linker<'m> {
     sources: Vec<&'m Module>,
     copied: Vec<Copied>,
     replacements: HashMap<String, (Source, Handle<Function>)>,
+    omitted: HashSet<&'static str>,
 }
 
 impl std::fmt::Debug for Linker<'_> {
@@ -60,6 +62,11 @@ impl<'m> Linker<'m> {
         self.replacements.insert(name.to_owned(), (source, function));
     }
 
+    /// From now on a function called `name` is copied as one that returns zero and calls nothing.
+    pub fn omit(&mut self, name: &'static str) {
+        self.omitted.insert(name);
+    }
+
     /// Copies a function, unless it has been, and says where it is.
     pub fn add(
         &mut self,
@@ -70,6 +77,9 @@ impl<'m> Linker<'m> {
             return Ok(h);
         }
         let mut f = self.sources[source.0].functions[function].clone();
+        if f.name.as_deref().is_some_and(|name| self.omitted.contains(name)) {
+            hollow(&mut f);
+        }
         let mut calls = Vec::new();
         crate::plan::called(&f.body, &mut calls);
         let mut targets = HashMap::new();
@@ -228,6 +238,16 @@ impl<'m> Linker<'m> {
 
 fn unlinkable(what: &str) -> CompileError {
     CompileError::Module(format!("{what} cannot be linked"))
+}
+
+/// Makes a function return zero.
+fn hollow(f: &mut Function) {
+    f.local_variables.clear();
+    f.expressions.clear();
+    f.named_expressions.clear();
+    let value =
+        f.result.as_ref().map(|r| f.expressions.append(Expression::ZeroValue(r.ty), naga::Span::UNDEFINED));
+    f.body = Block::from_vec(vec![Statement::Return { value }]);
 }
 
 /// Sends calls to their new targets.

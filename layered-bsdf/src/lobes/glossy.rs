@@ -117,6 +117,11 @@ pub mod code {
         if lobe.op == OP_GGX_SMITH {
             return ggx_eval(lobe.ggx, wo, wi);
         }
+        facet_eval(lobe, wo, wi)
+    }
+
+    /// The same for other lobes than GGX with Smith masking.
+    pub fn facet_eval(lobe: Glossy, wo: Vec3f, wi: Vec3f) -> LobeValue {
         if wo.z <= 0.0 || wi.z == 0.0 {
             return lobe_zero();
         }
@@ -251,6 +256,11 @@ pub mod code {
         if lobe.op == OP_GGX_SMITH {
             return ggx_sample(lobe.ggx, wo, u, uc);
         }
+        facet_sample(lobe, wo, u, uc)
+    }
+
+    /// The same for other lobes than GGX with Smith masking.
+    pub fn facet_sample(lobe: Glossy, wo: Vec3f, u: Vec2f, uc: f32) -> LobeSample {
         if wo.z <= 0.0 {
             return lobe_absorb();
         }
