@@ -20,6 +20,7 @@ pub use costs::Costs;
 pub use environment::EnvironmentFunction;
 pub use error::Error;
 pub use function::Function;
+pub use layered_bsdf::prelude::BsdfOptions;
 pub use material::Material;
 pub use mdl_frontend::value::Value;
 pub use probe::{Evaluation, Probe, Sample, SurfacePoint};

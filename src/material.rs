@@ -48,7 +48,7 @@ impl Material {
     ) -> Result<Self, Error> {
         let graph = Self::graph_of(&module, name, mode, &given)?;
         let arguments = arguments_of(&graph);
-        let code = compile(&graph, &arguments)?;
+        let code = compile(&module, &graph, &arguments)?;
         let shaded = instantiate(&graph, &code, &arguments, None)?.ok_or_else(|| {
             Error::Setting(format!("`{}` decides its structure by no known value", graph.name))
         })?;
@@ -110,7 +110,7 @@ impl Material {
         let shaded = match reused {
             Some(shaded) => shaded,
             None => {
-                self.code = Arc::new(compile(&graph, &arguments)?);
+                self.code = Arc::new(compile(&self.module, &graph, &arguments)?);
                 let shaded = instantiate(&graph, &self.code, &arguments, None)?;
                 shaded.expect("the structure was just decided by these arguments")
             }
@@ -193,8 +193,8 @@ fn arguments_of(graph: &MaterialGraph) -> Vec<Value> {
     mdl_jit::mdl::material::default_arguments(graph)
 }
 
-fn compile(graph: &MaterialGraph, arguments: &[Value]) -> Result<CompiledMaterial, Error> {
-    CompiledMaterial::new(graph, arguments)
+fn compile(module: &Module, graph: &MaterialGraph, arguments: &[Value]) -> Result<CompiledMaterial, Error> {
+    CompiledMaterial::new(graph, arguments, module.session().bsdf_options())
         .map_err(|source| Error::Compile { name: graph.name.to_string(), source })
 }
 

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::function::Function;
 use crate::loader::{FileLoader, read_module};
 use crate::material::Material;
+use layered_bsdf::prelude::BsdfOptions;
 use mdl_frontend::diagnostics::{Diagnostic, render};
 use mdl_frontend::graph::{FunctionGraph, Mode};
 use mdl_frontend::loader::LoadedSource;
@@ -21,6 +22,7 @@ const ROOT_VARIABLES: [&str; 2] = ["MDL_USER_PATH", "MDL_SYSTEM_PATH"];
 pub struct Session {
     loader: FileLoader,
     compiler: Arc<Compiler>,
+    bsdf_options: BsdfOptions,
 }
 
 impl Default for Session {
@@ -34,7 +36,19 @@ impl Session {
     pub fn new() -> Self {
         let loader = FileLoader::default();
         let compiler = Arc::new(Compiler::new(loader.clone()).with_folder(InterpreterFolder));
-        Self { loader, compiler }
+        Self { loader, compiler, bsdf_options: BsdfOptions::default() }
+    }
+
+    /// The same session for materials whose BSDFs go beyond MDL's definition.
+    #[must_use]
+    pub fn with_bsdf_options(mut self, options: BsdfOptions) -> Self {
+        self.bsdf_options = options;
+        self
+    }
+
+    /// What materials of this session do beyond MDL's definition.
+    pub fn bsdf_options(&self) -> BsdfOptions {
+        self.bsdf_options
     }
 
     /// Adds a search root.

@@ -140,7 +140,8 @@ fn compile(
     let graph = compiler.material_graph(module, &function.name, mode, &arguments);
     let graph = graph.map_err(|e| e.to_string())?;
     let arguments = default_arguments(&graph);
-    let compiled = CompiledMaterial::new(&graph, &arguments).map_err(|e| e.to_string())?;
+    let compiled =
+        CompiledMaterial::new(&graph, &arguments, Default::default()).map_err(|e| e.to_string())?;
     let numbers: Vec<u32> = (0..graph.graph.resources.len() as u32).collect();
     let material = compiled.instantiate(&arguments, &numbers).map_err(|e| e.to_string())?;
     material.map(|_| ()).ok_or_else(|| "its structure is not decided".to_string())

@@ -1,6 +1,6 @@
 //! Computes the coefficients of `lobes/ggx_albedo.rs` and `lobes/multiscatter.rs` and prints them.
 //!
-//! `cargo run --release -p layered-bsdf --example fit_albedo`
+//! `cargo run --release -p layered-bsdf --example fit_albedo [part of a name]`
 //!
 //! The loss 1 − E(μ, α) of an isotropic reflector is integrated on a grid in double precision, from formulas
 //! of its own, and fitted by a polynomial or rational function of t = μ/(μ + α) and α. A fit minimises the
@@ -20,9 +20,11 @@ enum Lobe {
     PhongVcavities,
     Ward,
     SheenVcavities,
+    GgxCorrelated,
+    BeckmannCorrelated,
 }
 
-const LOBES: [Lobe; 7] = [
+const LOBES: [Lobe; 9] = [
     Lobe::GgxSmith,
     Lobe::BeckmannSmith,
     Lobe::GgxVcavities,
@@ -30,6 +32,8 @@ const LOBES: [Lobe; 7] = [
     Lobe::PhongVcavities,
     Lobe::Ward,
     Lobe::SheenVcavities,
+    Lobe::GgxCorrelated,
+    Lobe::BeckmannCorrelated,
 ];
 
 /// A function of x and y: Σ pᵢⱼ xⁱ yʲ / Σ qᵢⱼ xⁱ yʲ, q₀₀ = 1.
@@ -51,7 +55,8 @@ struct Point {
 }
 
 fn main() {
-    for lobe in LOBES {
+    let named = std::env::args().nth(1).unwrap_or_default();
+    for lobe in LOBES.into_iter().filter(|lobe| format!("{lobe:?}").contains(&named)) {
         let (form, mean_degree) = match lobe {
             Lobe::GgxSmith => (Form { p: [4, 3], q: [2, 1] }, 9),
             Lobe::SheenVcavities => (Form { p: [6, 3], q: [0, 0] }, 0),
@@ -178,8 +183,9 @@ fn evaluate(fit: &[f64], form: Form, point: &Point) -> (f64, f64) {
     (sum(&fit[..p.len()], &p) / denominator, denominator)
 }
 
-/// Directional albedo of GGX with Smith masking by the midpoint rule over visible normals: the mean of G1(wi).
-fn ggx_albedo(mu: f64, alpha: f64) -> f64 {
+/// Directional albedo of GGX with Smith masking by the midpoint rule over visible normals: the mean of G1(wi), or
+/// of G2/G1(wo) where the heights are correlated.
+fn ggx_albedo(mu: f64, alpha: f64, correlated: bool) -> f64 {
     const N: usize = 256;
     let sin = (1.0 - mu * mu).sqrt();
     let length = (alpha * alpha * sin * sin + mu * mu).sqrt();
@@ -196,7 +202,11 @@ fn ggx_albedo(mu: f64, alpha: f64) -> f64 {
             let d = 2.0 * (x * sin + z * mu);
             let (ix, iy, iz) = (d * x - sin, d * y, d * z - mu);
             if iz > 0.0 {
-                sum += 2.0 * iz / (iz + (iz * iz + alpha * alpha * (ix * ix + iy * iy)).sqrt());
+                let stretch = (iz * iz + alpha * alpha * (ix * ix + iy * iy)).sqrt();
+                sum += match correlated {
+                    true => iz * (mu + length) / (iz * length + mu * stretch),
+                    false => 2.0 * iz / (iz + stretch),
+                };
             }
         }
     }
@@ -207,8 +217,8 @@ fn ggx_albedo(mu: f64, alpha: f64) -> f64 {
 /// ⟨o, m⟩ G / (cos θm cos θo).
 fn albedo(lobe: Lobe, mu: f64, alpha: f64) -> f64 {
     const N: usize = 400;
-    if lobe == Lobe::GgxSmith {
-        return ggx_albedo(mu, alpha);
+    if matches!(lobe, Lobe::GgxSmith | Lobe::GgxCorrelated) {
+        return ggx_albedo(mu, alpha, lobe == Lobe::GgxCorrelated);
     }
     let o = [(1.0 - mu * mu).sqrt(), 0.0, mu];
     let mut sum = 0.0;
@@ -232,8 +242,10 @@ fn albedo(lobe: Lobe, mu: f64, alpha: f64) -> f64 {
 /// Sine and cosine of the facet at `u`; the flattest is at 1.
 fn facet(lobe: Lobe, alpha: f64, u: f64) -> (f64, f64) {
     let tan = match lobe {
-        Lobe::GgxSmith | Lobe::GgxVcavities => alpha * ((1.0 - u) / u).sqrt(),
-        Lobe::BeckmannSmith | Lobe::BeckmannVcavities | Lobe::Ward => alpha * (-u.ln()).sqrt(),
+        Lobe::GgxSmith | Lobe::GgxCorrelated | Lobe::GgxVcavities => alpha * ((1.0 - u) / u).sqrt(),
+        Lobe::BeckmannSmith | Lobe::BeckmannCorrelated | Lobe::BeckmannVcavities | Lobe::Ward => {
+            alpha * (-u.ln()).sqrt()
+        }
         Lobe::PhongVcavities => {
             let log = u.ln() / (2.0 / (alpha * alpha) + 1.0);
             return ((-(2.0 * log).exp_m1()).sqrt(), log.exp());
@@ -260,6 +272,10 @@ fn weight(lobe: Lobe, alpha: f64, mu: f64, om: f64, z: f64, iz: f64) -> f64 {
     };
     match lobe {
         Lobe::GgxSmith | Lobe::BeckmannSmith => om * iz / (z * area(mu) * area(iz)),
+        Lobe::BeckmannCorrelated => {
+            let (ao, ai) = (area(mu), area(iz));
+            om * iz / (z * (ao * iz + ai * mu - mu * iz))
+        }
         Lobe::Ward => iz / (om * z),
         _ => (om / (z * mu)).min(2.0).min(2.0 * iz / mu),
     }

@@ -836,7 +836,8 @@ struct Ggx {
     mode: u32,
     thin_walled: bool,
     eta: f32,
-    reflected: f32
+    reflected: f32,
+    correlated: bool
 }
 
 fn sane_alpha(alpha: f32) -> f32 {
@@ -851,7 +852,7 @@ fn ggx_new(
     eta: f32,
 ) -> Ggx {
     let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
-    return Ggx(alpha, mode, thin_walled, sane_eta(eta), -1.0);
+    return Ggx(alpha, mode, thin_walled, sane_eta(eta), -1.0, false);
 }
 
 fn ggx_stretch(alpha: vec2f, w: vec3f) -> f32 {
@@ -863,6 +864,14 @@ fn ggx_stretch(alpha: vec2f, w: vec3f) -> f32 {
 fn ggx_g1(alpha: vec2f, w: vec3f) -> f32 {
     let z = abs(w.z);
     return ((2.0 * z) / (z + ggx_stretch(alpha, w)));
+}
+
+fn ggx_shadowing(lobe: Ggx, wo: vec3f, stretch: f32, wi: vec3f) -> f32 {
+    if !lobe.correlated {
+        return ggx_g1(lobe.alpha, wi);
+    }
+    let z = abs(wi.z);
+    return ((z * (wo.z + stretch)) / ((z * stretch) + (wo.z * ggx_stretch(lobe.alpha, wi))));
 }
 
 fn ggx_d(alpha: vec2f, h: vec3f, h2: f32) -> f32 {
@@ -902,7 +911,7 @@ fn ggx_eval(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
     let share = select((1.0 - reflected), reflected, (wi.z > 0.0));
     let stretch = ggx_stretch(lobe.alpha, wo);
     let d = (share * ggx_d(lobe.alpha, h, h2));
-    return LobeValue((((0.5 * d) * ggx_g1(lobe.alpha, wi)) / (wo.z + stretch)), ((0.5 * d) / ((ggx_cap_bound(lobe, wo) * wo.z) + stretch)));
+    return LobeValue((((0.5 * d) * ggx_shadowing(lobe, wo, stretch, wi)) / (wo.z + stretch)), ((0.5 * d) / ((ggx_cap_bound(lobe, wo) * wo.z) + stretch)));
 }
 
 fn ggx_reflectance(lobe: Ggx, c: f32) -> f32 {
@@ -940,8 +949,9 @@ fn ggx_eval_refraction(lobe: Ggx, wo: vec3f, wi: vec3f) -> LobeValue {
     let transmitted = (1.0 - ggx_reflectance(lobe, c));
     let d = (transmitted * ggx_d(lobe.alpha, h, h2));
     let jacobian = (((lobe.eta * lobe.eta) * (oh / h2)) * (-ih / h2));
-    let pdf = (((2.0 * d) * jacobian) / (wo.z + ggx_stretch(lobe.alpha, wo)));
-    return LobeValue((pdf * ggx_g1(lobe.alpha, wi)), pdf);
+    let stretch = ggx_stretch(lobe.alpha, wo);
+    let pdf = (((2.0 * d) * jacobian) / (wo.z + stretch));
+    return LobeValue((pdf * ggx_shadowing(lobe, wo, stretch, wi)), pdf);
 }
 
 fn ggx_sample_normal(alpha: vec2f, wo: vec3f, bound: f32, u: vec2f) -> vec3f {
@@ -1006,7 +1016,7 @@ fn ggx_albedo(lobe: Ggx, wo: vec3f) -> f32 {
     if (wo.z <= 0.0) {
         return 0.0;
     }
-    if ((lobe.mode == MODE_REFLECT) && (lobe.alpha.x == lobe.alpha.y)) {
+    if (((lobe.mode == MODE_REFLECT) && (lobe.alpha.x == lobe.alpha.y)) && !lobe.correlated) {
         return ggx_albedo_reflection(lobe.alpha.x, wo.z);
     }
     let step = (1.0 / f32(ALBEDO_CELLS));
@@ -1027,7 +1037,8 @@ fn ggx_normal_albedo(lobe: Ggx, wo: vec3f, wm: vec3f) -> f32 {
     let c = clamp(dot(wo, wm), 1e-7, 1.0);
     let mirror = ((wm * (2.0 * c)) - wo);
     let r = ggx_reflectance(lobe, c);
-    let above = select(0.0, ggx_g1(lobe.alpha, mirror), (mirror.z > 0.0));
+    let stretch = ggx_stretch(lobe.alpha, wo);
+    let above = select(0.0, ggx_shadowing(lobe, wo, stretch, mirror), (mirror.z > 0.0));
     if lobe.thin_walled {
         return select(above, (r * above), (lobe.mode == MODE_REFLECT));
     }
@@ -1035,7 +1046,7 @@ fn ggx_normal_albedo(lobe: Ggx, wo: vec3f, wm: vec3f) -> f32 {
         return above;
     }
     let wt = refract_at(wo, wm, c, lobe.eta);
-    let below = select(0.0, ggx_g1(lobe.alpha, wt), (wt.z < 0.0));
+    let below = select(0.0, ggx_shadowing(lobe, wo, stretch, wt), (wt.z < 0.0));
     return ((r * above) + ((1.0 - r) * below));
 }
 const FACETS_GGX: u32 = 0u;
@@ -1136,6 +1147,8 @@ const FLAG_VECTOR: u32 = 256u;
 const FLAG_COLOR: u32 = 512u;
 const FLAG_BASE_FIRST: u32 = 1024u;
 const FLAG_FILM: u32 = 2048u;
+const FLAG_CORRELATED: u32 = 4096u;
+const FLAG_CONSERVING: u32 = 4096u;
 const SLOT_TINT: u32 = 0u;
 const SLOT_DIFFUSE_ROUGHNESS: u32 = 3u;
 const SLOT_DIFFUSE_MULTIPLE: u32 = 4u;
@@ -1218,7 +1231,12 @@ fn glossy_shadowing(
 ) -> f32 {
     let iz = abs(wi.z);
     if (lobe.op == OP_BECKMANN_SMITH) {
-        return (iz / max(beckmann_area(lobe.ggx.alpha, wi), 1e-37));
+        let area = max(beckmann_area(lobe.ggx.alpha, wi), 1e-37);
+        if lobe.ggx.correlated {
+            let seen = max(beckmann_area(lobe.ggx.alpha, wo), 1e-37);
+            return ((seen * iz) / max(((seen * iz) + ((area - iz) * wo.z)), 1e-37));
+        }
+        return (iz / area);
     }
     if (lobe.op == OP_WARD) {
         return (iz / max(((visible * om) * om), 1e-37));
@@ -1458,6 +1476,10 @@ fn septic(a: vec4f, b: vec4f, x: f32) -> f32 {
     return (x * (cubic(a, x) + ((x2 * x2) * cubic(b, x))));
 }
 
+fn loss_kind(lobe: Glossy) -> u32 {
+    return (lobe.op | select(0u, FLAG_CORRELATED, lobe.ggx.correlated));
+}
+
 fn glossy_loss(op: u32, alpha: f32, mu: f32) -> f32 {
     if (op == OP_GGX_SMITH) {
         return (1.0 - ggx_albedo_reflection(alpha, mu));
@@ -1468,6 +1490,12 @@ fn glossy_loss(op: u32, alpha: f32, mu: f32) -> f32 {
 fn glossy_loss_fit(op: u32, alpha: f32, t: f32) -> f32 {
     if (op == OP_BECKMANN_SMITH) {
         return ((quintic(t, cubic(vec4f(0.021866, 0.036548, -0.116330, 0.141893), alpha), cubic(vec4f(0.986037, -1.638502, 6.016981, -6.246905), alpha), cubic(vec4f(-9.069356, 12.080729, -46.312368, 62.466531), alpha), cubic(vec4f(34.629537, -29.873240, 121.822790, -221.238919), alpha), cubic(vec4f(-50.580212, 33.783996, -129.002715, 343.954927), alpha), cubic(vec4f(24.213737, -8.550887, 9.255230, -149.277097), alpha)) * (1.0 - t)) - 0.0119);
+    }
+    if (op == (OP_BECKMANN_SMITH | FLAG_CORRELATED)) {
+        return ((quintic(t, cubic(vec4f(-0.012070, 0.033214, -0.119957, 0.110431), alpha), cubic(vec4f(1.078240, -1.714757, 6.277661, -6.328772), alpha), cubic(vec4f(-9.050296, 12.552000, -47.616779, 63.009265), alpha), cubic(vec4f(34.399414, -30.570156, 123.712075, -220.821026), alpha), cubic(vec4f(-50.402222, 33.792275, -129.260595, 341.172655), alpha), cubic(vec4f(24.192633, -8.218997, 8.715681, -147.494675), alpha)) * (1.0 - t)) - 0.0119);
+    }
+    if (op == (OP_GGX_SMITH | FLAG_CORRELATED)) {
+        return ((quintic(t, cubic(vec4f(-0.002193, -0.003929, 0.019700, -0.009909), alpha), cubic(vec4f(0.389514, 0.276278, 3.602155, -0.153941), alpha), cubic(vec4f(-1.884535, 0.799644, -8.848353, -10.377415), alpha), cubic(vec4f(9.441536, -15.514724, 46.543361, 51.055802), alpha), cubic(vec4f(-13.996536, 36.710452, -59.939266, -145.717144), alpha), cubic(vec4f(6.043220, -22.636623, 10.802714, 146.711971), alpha)) * (1.0 - t)) - 0.0039);
     }
     if (op == OP_GGX_VCAVITIES) {
         return ((quintic(t, cubic(vec4f(0.004576, 0.041367, -0.112244, 0.057583), alpha), cubic(vec4f(-0.210112, -2.435367, 5.088588, -0.941911), alpha), cubic(vec4f(2.703446, 27.413009, -42.366882, 2.242607), alpha), cubic(vec4f(-7.317091, -99.204317, 109.273817, 52.875048), alpha), cubic(vec4f(10.293373, 122.091267, -13.652756, -213.643385), alpha), cubic(vec4f(-5.817452, -44.807848, -69.977269, 184.795958), alpha)) * (1.0 - t)) - 0.0091);
@@ -1497,6 +1525,12 @@ fn glossy_mean_fit(op: u32, alpha: f32) -> f32 {
     if (op == OP_BECKMANN_SMITH) {
         return (1.034 * septic(vec4f(0.769377, -9.761946, 48.764537, -121.692648), vec4f(161.355696, -107.091346, 27.982531, 0.000000), sqrt(alpha)));
     }
+    if (op == (OP_BECKMANN_SMITH | FLAG_CORRELATED)) {
+        return (1.019 * septic(vec4f(0.769040, -9.758975, 48.757141, -121.697163), vec4f(161.374213, -107.100001, 27.974245, 0.000000), sqrt(alpha)));
+    }
+    if (op == (OP_GGX_SMITH | FLAG_CORRELATED)) {
+        return (1.010 * septic(vec4f(0.047996, -0.535666, 1.214514, 6.285924), vec4f(-16.741533, 15.685147, -5.375737, 0.000000), sqrt(alpha)));
+    }
     if (op == OP_GGX_VCAVITIES) {
         return (1.050 * septic(vec4f(0.430624, -4.851440, 18.641040, -26.925715), vec4f(12.082475, 6.714142, -5.665598, 0.000000), sqrt(alpha)));
     }
@@ -1524,11 +1558,11 @@ struct Multiscatter {
 }
 
 fn lobe_loss(lobe: Glossy, mu: f32) -> f32 {
-    let loss = glossy_loss(lobe.op, lobe.ggx.alpha.x, mu);
+    let loss = glossy_loss(loss_kind(lobe), lobe.ggx.alpha.x, mu);
     if (lobe.ggx.alpha.x == lobe.ggx.alpha.y) {
         return loss;
     }
-    return (ANISOTROPIC_SHARE * min(loss, glossy_loss(lobe.op, lobe.ggx.alpha.y, mu)));
+    return (ANISOTROPIC_SHARE * min(loss, glossy_loss(loss_kind(lobe), lobe.ggx.alpha.y, mu)));
 }
 
 fn multiscatter_new(lobe: Glossy, wo: vec3f) -> Multiscatter {
@@ -1542,9 +1576,9 @@ fn multiscatter_new(lobe: Glossy, wo: vec3f) -> Multiscatter {
             transmitted = (1.0 - reflected);
         }
     }
-    var mean_loss: f32 = glossy_mean_loss(lobe.op, alpha.x);
+    var mean_loss: f32 = glossy_mean_loss(loss_kind(lobe), alpha.x);
     if (alpha.x != alpha.y) {
-        mean_loss = (ANISOTROPIC_SHARE * min(mean_loss, glossy_mean_loss(lobe.op, alpha.y)));
+        mean_loss = (ANISOTROPIC_SHARE * min(mean_loss, glossy_mean_loss(loss_kind(lobe), alpha.y)));
     }
     return Multiscatter(lobe_loss(lobe, unit(wo.z)), (1.0 / mean_loss), reflected, transmitted);
 }
@@ -1799,6 +1833,34 @@ fn layer_normal_slot(n: vec4u) -> u32 {
         return (slot + select(7u, 10u, ((n.x & FLAG_COLOR) != 0u)));
     }
     return slot;
+}
+const CONSERVE_ENTRIES: u32 = 17u;
+
+fn conserve_slot(n: vec4u) -> u32 {
+    return (film_slot(n) + select(0u, 4u, ((n.x & FLAG_FILM) != 0u)));
+}
+
+fn layer_conserves(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> bool {
+    if (((n.x & FLAG_CONSERVING) == 0u) || ((point.flags & POINT_INSIDE) != 0u)) {
+        return false;
+    }
+    return (param(p, conserve_slot(n)) >= 0.0);
+}
+
+fn layer_albedo(n: vec4u, p: ptr<function, Params>, c: f32) -> vec3f {
+    let x = (sqrt(c) * f32((CONSERVE_ENTRIES - 1u)));
+    let first = min(u32(x), (CONSERVE_ENTRIES - 2u));
+    let t = (x - f32(first));
+    let table = conserve_slot(n);
+    let a = param3(p, (table + (3u * select((max(first, 1u) - 1u), 1u, (first == 0u)))));
+    let b = param3(p, (table + (3u * first)));
+    let after = param3(p, ((table + (3u * first)) + 3u));
+    var last: vec3f = ((after * 2.0) - b);
+    if ((first + 2u) < CONSERVE_ENTRIES) {
+        last = param3(p, ((table + (3u * first)) + 6u));
+    }
+    let curve = ((((last - a) + ((b - after) * 3.0)) * t) + ((((a * 2.0) - (b * 5.0)) + (after * 4.0)) - last));
+    return unit3((b + ((((curve * t) + after) - a) * (0.5 * t))));
 }
 const NO_SLOT: u32 = 4294967295u;
 const OPAQUE: f32 = 80.0;
@@ -2123,6 +2185,11 @@ fn layer_split(
     let ni = dot(z, wi);
     let half = half_cosine(no, ni, dot(wo, wi));
     let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+    if layer_conserves(n, p, point) {
+        let albedo = layer_albedo(n, p, unit(abs(no)));
+        let prob = layer_probability(n, p, albedo);
+        return LayerSplit(curve.half, (splat3(1.0) - albedo), prob);
+    }
     let prob = layer_probability(n, p, curve.seen);
     let most = max(max(curve.seen, curve.lit), curve.front);
     return LayerSplit(curve.half, (splat3(1.0) - most), prob);
@@ -2131,7 +2198,9 @@ const FILM_ETA: f32 = 1e-3;
 
 fn node_ggx(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> Ggx {
     let matched = (((n.x & FLAG_FILM) != 0u) && (abs((point.eta - 1.0)) < FILM_ETA));
-    return ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), select(point.eta, (1.0 + FILM_ETA), matched));
+    var lobe: Ggx = ggx_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u)), n.w, ((point.flags & POINT_THIN_WALLED) != 0u), select(point.eta, (1.0 + FILM_ETA), matched));
+    lobe.correlated = ((n.x & FLAG_CORRELATED) != 0u);
+    return lobe;
 }
 
 fn node_film_reflectance(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, c: f32) -> vec3f {
@@ -2526,7 +2595,11 @@ fn bsdf_sample(
         if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
             let own = layer_normal(n, normal);
             let z = normal_at(p, own);
-            let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
+            let c = unit(abs(dot(z, wo)));
+            var seen: vec3f = layer_seen(n, p, point, c);
+            if layer_conserves(n, p, point) {
+                seen = layer_albedo(n, p, c);
+            }
             let q = layer_probability(n, p, seen);
             let layer = (uz < q);
             uz = reuse_random(uz, q, layer);

@@ -16,6 +16,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod code {
     //! Shared with the GPU.
+    use crate::conserve::code::*;
     use crate::curves::code::*;
     use crate::factors::code::*;
     use crate::film::code::*;
@@ -171,6 +172,11 @@ pub mod code {
         let ni = dot(z, wi);
         let half = half_cosine(no, ni, dot(wo, wi));
         let curve = layer_curve(n, p, point, unit(abs(no)), unit(abs(ni)), half);
+        if layer_conserves(n, p, point) {
+            let albedo = layer_albedo(n, p, unit(abs(no)));
+            let prob = layer_probability(n, p, albedo);
+            return LayerSplit { layer: curve.half, base: splat3(1.0) - albedo, prob };
+        }
         let prob = layer_probability(n, p, curve.seen);
         let most = max(max(curve.seen, curve.lit), curve.front);
         LayerSplit { layer: curve.half, base: splat3(1.0) - most, prob }
@@ -183,13 +189,15 @@ pub mod code {
     /// The GGX lobe of node `n`.
     pub fn node_ggx(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> Ggx {
         let matched = (n.x & FLAG_FILM) != 0 && abs(point.eta - 1.0) < FILM_ETA;
-        ggx_new(
+        let mut lobe: Ggx = ggx_new(
             param(p, n.y + SLOT_GLOSSY_ALPHA),
             param(p, n.y + SLOT_GLOSSY_ALPHA + 1),
             n.w,
             (point.flags & POINT_THIN_WALLED) != 0,
             select(point.eta, 1.0 + FILM_ETA, matched),
-        )
+        );
+        lobe.correlated = (n.x & FLAG_CORRELATED) != 0;
+        lobe
     }
 
     /// Reflectance of the interface at cosine `c` under the film of node `n`, which has one.
@@ -662,7 +670,11 @@ pub mod code {
             if (n.x & OP_MASK) >= OP_WEIGHTED_LAYER {
                 let own = layer_normal(n, normal);
                 let z = normal_at(p, own);
-                let seen = layer_seen(n, p, point, unit(abs(dot(z, wo))));
+                let c = unit(abs(dot(z, wo)));
+                let mut seen: Vec3f = layer_seen(n, p, point, c);
+                if layer_conserves(n, p, point) {
+                    seen = layer_albedo(n, p, c);
+                }
                 let q = layer_probability(n, p, seen);
                 let layer = uz < q;
                 uz = reuse_random(uz, q, layer);

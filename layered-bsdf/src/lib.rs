@@ -34,6 +34,7 @@
     missing_docs,
     reason = "the macro that prints WGSL adds a static without documentation to each module"
 )]
+pub mod conserve;
 pub mod curves;
 pub mod describe;
 pub mod edf;
@@ -45,9 +46,12 @@ pub mod fresnel;
 pub mod lobes;
 pub mod math;
 pub mod nodes;
+pub mod options;
 pub mod prelude;
+pub mod prepare;
 pub mod program;
 pub mod reach;
 pub mod sampling;
 pub mod spot;
+pub mod walk;
 pub mod wgsl;

@@ -99,6 +99,10 @@ pub mod code {
     pub const FLAG_BASE_FIRST: u32 = 0x400;
     /// A thin film lies on what reflects: thickness in nm, index of refraction (three), behind all else.
     pub const FLAG_FILM: u32 = 0x800;
+    /// A lobe's heights of masking and shadowing are correlated.
+    pub const FLAG_CORRELATED: u32 = 0x1000;
+    /// The base of a layer gets what the layer leaves: a table of its albedo stands behind the film.
+    pub const FLAG_CONSERVING: u32 = 0x1000;
 
     /// Slot of the tint of a lobe or modifier.
     pub const SLOT_TINT: u32 = 0;

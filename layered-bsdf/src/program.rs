@@ -4,8 +4,11 @@
 //! graph where they are computed per shading point. [`LayerProgram::new`] lays the nodes out and says
 //! which parameter belongs into which slot.
 
+use crate::conserve::CONSERVE_ENTRIES;
+use crate::curves::{ShadingPoint, shading_point};
 use crate::nodes::*;
-use wgsl_rs::std::{Vec4u, vec4u};
+use crate::options::BsdfOptions;
+use wgsl_rs::std::{Vec4u, vec3f, vec4u};
 
 /// How a lobe scatters (MDL `df::scatter_mode`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -280,7 +283,15 @@ pub struct LayerProgram {
 impl LayerProgram {
     /// Lays out `tree`. The second result has an entry per slot.
     pub fn new<P: Copy>(tree: &Tree<P>) -> Result<(Self, Vec<Slot<P>>), ProgramError> {
-        let mut layout = Layout { nodes: Vec::new(), slots: Vec::new() };
+        Self::with_options(tree, BsdfOptions::default())
+    }
+
+    /// The same with options.
+    pub fn with_options<P: Copy>(
+        tree: &Tree<P>,
+        options: BsdfOptions,
+    ) -> Result<(Self, Vec<Slot<P>>), ProgramError> {
+        let mut layout = Layout { nodes: Vec::new(), slots: Vec::new(), options };
         layout.push(tree, None)?;
         let slots = layout.slots.len() as u32;
         Ok((Self { nodes: layout.nodes, slots }, layout.slots))
@@ -288,7 +299,18 @@ impl LayerProgram {
 
     /// The program and parameters of a tree whose values are known.
     pub fn with_values(tree: &Tree<f32>) -> Result<(Self, Params), ProgramError> {
-        let (program, slots) = Self::new(tree)?;
+        let air = vec3f(1.0, 1.0, 1.0);
+        let point = shading_point(vec3f(0.0, 0.0, 1.0), air, air, 0);
+        Self::with_values_and_options(tree, BsdfOptions::default(), point)
+    }
+
+    /// The same with options, seen from the medium in front of `point`.
+    pub fn with_values_and_options(
+        tree: &Tree<f32>,
+        options: BsdfOptions,
+        point: ShadingPoint,
+    ) -> Result<(Self, Params), ProgramError> {
+        let (program, slots) = Self::with_options(tree, options)?;
         let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
         for (param, slot) in params.v.iter_mut().zip(&slots) {
             if let Slot::Value(value) = slot {
@@ -296,6 +318,7 @@ impl LayerProgram {
             }
         }
         program.prepare(&mut params, |_| false);
+        program.conserve(&mut params, point, |_| false);
         Ok((program, params))
     }
 
@@ -358,7 +381,7 @@ impl LayerProgram {
     }
 
     /// Layer and base of the layer at `index`.
-    fn children(&self, index: usize) -> (usize, usize) {
+    pub(crate) fn children(&self, index: usize) -> (usize, usize) {
         let n = self.nodes[index];
         let (first, second) = (index + 1, n.z as usize);
         if n.x & FLAG_BASE_FIRST != 0 { (second, first) } else { (first, second) }
@@ -433,6 +456,7 @@ type Film<'a, P> = Option<(&'a P, &'a [P; 3])>;
 struct Layout<P> {
     nodes: Vec<Vec4u>,
     slots: Vec<Slot<P>>,
+    options: BsdfOptions,
 }
 
 impl<P: Copy> Layout<P> {
@@ -442,6 +466,7 @@ impl<P: Copy> Layout<P> {
             Tree::Black => self.node(OP_BLACK, 0).map(|_| 0),
             Tree::DiffuseEdf => self.node(OP_DIFFUSE_EDF, 0).map(|_| 0),
             Tree::DiffuseReflection { tint, roughness, multiscatter_tint } => {
+                let multiscatter_tint = &self.multiscatter_tint(tint, multiscatter_tint);
                 self.node(OP_DIFFUSE_REFLECTION | flag(multiscatter_tint, FLAG_COLOR), 0)?;
                 self.values(&[tint, &[*roughness], optional(multiscatter_tint)])
             }
@@ -539,8 +564,11 @@ impl<P: Copy> Layout<P> {
         film: Film<'_, P>,
     ) -> Result<u32, ProgramError> {
         let film = film.filter(|_| mode == crate::lobes::MODE_REFLECT_TRANSMIT);
+        let multiscatter_tint = &self.multiscatter_tint(tint, multiscatter_tint);
+        let smith = self.options.correlated_masking && matches!(op, OP_GGX_SMITH | OP_BECKMANN_SMITH);
+        let correlated = if smith { FLAG_CORRELATED } else { 0 };
         let flags = flag(tangent, FLAG_VECTOR) | flag(multiscatter_tint, FLAG_COLOR) | flag(&film, FLAG_FILM);
-        self.node(op | flags, mode)?;
+        self.node(op | flags | correlated, mode)?;
         self.values(&[tint, &roughness, optional(tangent), optional(multiscatter_tint)])?;
         self.film(film)
     }
@@ -571,6 +599,9 @@ impl<P: Copy> Layout<P> {
         };
         let base_first = layer.stack_need() > base.stack_need();
         let order = if base_first { FLAG_BASE_FIRST } else { 0 };
+        let curved = !matches!(curve, Curve::Constant | Curve::Sheen { .. } | Curve::Microflake { .. });
+        let conserving = self.options.conserving_layers && curved;
+        let order = order | if conserving { FLAG_CONSERVING } else { 0 };
         let node = self.node(op | order | flag(normal, FLAG_VECTOR) | flag(&here, FLAG_FILM), count)?;
         self.slots.extend([Slot::Derived, Slot::Derived]);
         self.values(&[weight])?;
@@ -589,11 +620,20 @@ impl<P: Copy> Layout<P> {
         };
         self.values(&[optional(normal)])?;
         self.film(here)?;
+        if conserving {
+            self.slots.extend((0..3 * CONSERVE_ENTRIES).map(|_| Slot::Derived));
+            self.values(&[])?;
+        }
         let (first, second) = if base_first { (base, layer) } else { (layer, base) };
         let first_need = self.push(first, below)?;
         self.nodes[node].z = self.nodes.len() as u32;
         let second_need = self.push(second, below)?;
         Ok(second_need.max(first_need + 1))
+    }
+
+    /// The tint of multiple scattering: the author's, or that of the lobe where an option asks for it.
+    fn multiscatter_tint(&self, tint: &[P; 3], own: &Option<[P; 3]>) -> Option<[P; 3]> {
+        own.or(self.options.multiple_scattering.then_some(*tint))
     }
 
     /// Appends the slots of a film.

@@ -27,6 +27,8 @@ const ROWS: &[Row] = &[
     ("layer_split", |n| op(n) >= OP_WEIGHTED_LAYER),
     ("layer_seen", |n| op(n) >= OP_WEIGHTED_LAYER),
     ("layer_curve", |n| op(n) > OP_WEIGHTED_LAYER),
+    ("layer_conserves", |n| op(n) > OP_WEIGHTED_LAYER && n.x & FLAG_CONSERVING != 0),
+    ("layer_albedo", |n| op(n) > OP_WEIGHTED_LAYER && n.x & FLAG_CONSERVING != 0),
     ("diffuse_reflection_eval", |n| op(n) == OP_DIFFUSE_REFLECTION),
     ("diffuse_reflection_albedo", |n| op(n) == OP_DIFFUSE_REFLECTION),
     ("diffuse_transmission_eval", |n| op(n) == OP_DIFFUSE_TRANSMISSION),

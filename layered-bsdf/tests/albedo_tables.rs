@@ -1,5 +1,6 @@
 //! The albedo of our lobes against tables that others computed: those of the reference implementation of MDL
-//! (separable masking). `../shared/data/measured/albedo_mdl` holds them; where it is missing, the tests say so.
+//! (separable masking), in `../shared/data/measured/albedo_mdl`, and for correlated masking those of another
+//! renderer, in `albedo_ggx_correlated`. Where they are missing, the tests say so.
 //!
 //! A table has rows by roughness and columns by angle. Its layers: reflection without Fresnel; then, for 16
 //! indices of refraction, reflection and transmission from outside, and from inside.
@@ -45,8 +46,9 @@ impl Table {
 }
 
 /// What a lobe of this tree sends back and on: the mean weight of samples at the points of a net.
-fn albedo(tree: &Tree<f32>, point: ShadingPoint, mu: f64) -> f64 {
-    let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
+fn albedo(tree: &Tree<f32>, options: BsdfOptions, point: ShadingPoint, mu: f64) -> f64 {
+    let made = LayerProgram::with_values_and_options(tree, options, point);
+    let (program, mut params) = made.expect("a small tree");
     let mut program = program.to_program();
     let wo = vec3f((1.0 - mu * mu).sqrt() as f32, 0.0, mu as f32);
     let directions = directions();
@@ -114,7 +116,7 @@ fn compare(
     let difference = |(row, column): (usize, usize)| {
         let alpha = row as f32 / (table.roughnesses - 1) as f32;
         let degrees = 90.0 * column as f64 / (table.angles - 1) as f64;
-        let ours = albedo(&lobe(alpha), point, degrees.to_radians().cos());
+        let ours = albedo(&lobe(alpha), BsdfOptions::default(), point, degrees.to_radians().cos());
         let theirs = table.value(layer, row, column);
         let place = format!("alpha {alpha:.3}, {degrees:.1}°: {ours:.5}, table {theirs:.5}");
         ((ours - theirs).abs(), place)
@@ -147,6 +149,52 @@ const MODELS: [(&str, GlossyModel); 6] = [
     ("phong_vc", GlossyModel::Simple),
     ("ward_gm", GlossyModel::Ward),
 ];
+
+/// Rows of a table of numbers with commas, or none.
+fn rows(name: &str) -> Option<Vec<Vec<f64>>> {
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured/albedo_ggx_correlated");
+    let path = folder.join(name);
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: {} is not there", path.display());
+        return None;
+    };
+    let number = |text: &str| text.trim().parse().expect("a table of numbers");
+    Some(text.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect())
+}
+
+/// The largest difference of correlated GGX from rows of [index,] alpha, cosine, albedo. Grazing views and
+/// roughness below what the lobe has are left out; an index of 1 has no interface.
+fn worst_of(name: &str, mode: ScatterMode) -> Option<(f64, String)> {
+    let known = |row: &Vec<f64>| {
+        let [.., alpha, mu, _] = row[..] else { panic!("three columns at least") };
+        alpha >= 1e-4 && mu > 0.0 && (row.len() == 3 || row[0] > 1.001)
+    };
+    let options = BsdfOptions { correlated_masking: true, ..BsdfOptions::default() };
+    let difference = |row: &Vec<f64>| {
+        let [.., alpha, mu, theirs] = row[..] else { panic!("three columns at least") };
+        let ior = if row.len() > 3 { row[0] as f32 } else { 1.5 };
+        let tree = glossy(GlossyModel::GgxSmith, alpha as f32, mode);
+        let ours = albedo(&tree, options, point(1.0, ior), mu);
+        ((ours - theirs).abs(), format!("{row:?}: {ours:.5}"))
+    };
+    // A stride without a common factor with the width of a table.
+    let rows: Vec<Vec<f64>> =
+        rows(name)?.into_iter().filter(known).step_by((step() * step() / 6).max(1) | 1).collect();
+    rows.iter().map(difference).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+#[test]
+fn correlated_masking_is_that_of_the_tables() {
+    for (name, mode) in
+        [("ggx_E.csv", ScatterMode::Reflect), ("ggx_glass_E.csv", ScatterMode::ReflectTransmit)]
+    {
+        if let Some((worst, place)) = worst_of(name, mode) {
+            println!("{name}: {worst:.1e} ({place})");
+            assert!(worst < TOLERANCE, "{name}: {worst:.1e} ({place})");
+        }
+    }
+}
 
 #[test]
 fn reflection_is_that_of_the_tables() {

@@ -8,7 +8,7 @@
 //! Order of evaluation, as MDL has it: cutout, then normal, then everything else with that normal.
 
 use crate::state::{StateBatch, StateFields};
-use layered_bsdf::prelude::{LayerProgram, Params, ProgramError, Tree};
+use layered_bsdf::prelude::*;
 use std::sync::Arc;
 
 /// What is computed together.
@@ -94,6 +94,23 @@ impl Inputs {
     /// Outputs that never vary.
     pub fn constant(values: impl Into<Vec<f32>>) -> Self {
         Self { uniform: values.into(), ..Self::default() }
+    }
+
+    /// Fills what `program`, whose slots these are, derives where its layers conserve energy: for light from air.
+    pub fn conserve(&mut self, program: &LayerProgram, thin_walled: bool) {
+        let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
+        self.load(&mut params);
+        let air = vec3f(1.0, 1.0, 1.0);
+        let ior = vec3f(self.uniform[0], self.uniform[1], self.uniform[2]);
+        let flags = if thin_walled { POINT_THIN_WALLED } else { 0 };
+        let point = shading_point(vec3f(0.0, 0.0, 1.0), air, ior, flags);
+        // Where the index of refraction varies, nothing is known of any layer.
+        let known = !self.varying.iter().any(|&output| (output as usize) < PROGRAM_OFFSET);
+        program.conserve(&mut params, point, |slot| {
+            !known || self.varying.contains(&((slot + PROGRAM_OFFSET) as u32))
+        });
+        let slots = self.uniform.len() - PROGRAM_OFFSET;
+        self.uniform[PROGRAM_OFFSET..].copy_from_slice(&params.v[..slots]);
     }
 
     /// Whether no output varies.

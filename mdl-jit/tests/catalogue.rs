@@ -30,7 +30,7 @@ fn catalogue(mode: Mode) -> Vec<Material> {
                 .material_graph(&checked, &info.name, mode, &[])
                 .unwrap_or_else(|e| panic!("{}: {e}", info.qualified));
             let arguments = default_arguments(&graph);
-            let compiled = CompiledMaterial::new(&graph, &arguments)
+            let compiled = CompiledMaterial::new(&graph, &arguments, Default::default())
                 .unwrap_or_else(|e| panic!("{}: {e}", info.qualified));
             assert_eq!(compiled.warnings(), [] as [String; 0]);
             let material = compiled.instantiate(&arguments, &[]).expect("the arguments are the defaults");

@@ -1,6 +1,8 @@
 //! `lacquer bsdf`: value, density, samples and energy of a material's BSDF at a point, as JSON.
 
-use super::{Assignment, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector};
+use super::{
+    Assignment, Beyond, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector,
+};
 use lacquer::{Error, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};
@@ -12,6 +14,8 @@ pub struct Args {
     target: Target,
     #[command(flatten)]
     search: SearchPaths,
+    #[command(flatten)]
+    beyond: Beyond,
     /// Give a parameter a value, as an MDL expression
     #[arg(long = "arg", value_name = "NAME=VALUE")]
     arguments: Vec<Assignment>,
@@ -81,7 +85,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     if args.wo[2] <= 0.0 {
         return Err(Fail::Usage("--wo must lie above the surface: its third number is positive".to_string()));
     }
-    let session = args.search.session()?;
+    let session = args.beyond.apply(args.search.session()?);
     let material = open_material(&session, &args.target, &args.arguments)?;
     let at = SurfacePoint {
         position: args.position,

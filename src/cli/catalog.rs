@@ -2,7 +2,7 @@
 
 use super::progress::Display;
 use super::render::write_picture;
-use super::{Fail, SearchPaths, json, modules_below, parse_size, report, write_file};
+use super::{Beyond, Fail, SearchPaths, json, modules_below, parse_size, report, write_file};
 use lacquer::{Error, Film, Material, Module, RenderSettings, Scene, Session};
 use serde::Serialize;
 use std::fmt::Write;
@@ -16,6 +16,8 @@ pub struct Args {
     folder: Option<PathBuf>,
     #[command(flatten)]
     search: SearchPaths,
+    #[command(flatten)]
+    beyond: Beyond,
     /// Size of each picture
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "384x384")]
     size: (u32, u32),
@@ -65,7 +67,7 @@ struct Entry {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), Fail> {
-    let session = args.search.session()?;
+    let session = args.beyond.apply(args.search.session()?);
     let modules = match &args.folder {
         Some(folder) => modules_of(&session, folder)?,
         None => session.catalogue()?,

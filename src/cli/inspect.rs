@@ -1,6 +1,6 @@
 //! `lacquer inspect`: what a material is made of.
 
-use super::{Assignment, Fail, SearchPaths, Target, open_material};
+use super::{Assignment, Beyond, Fail, SearchPaths, Target, open_material};
 use lacquer::{Material, Scene};
 use mdl_frontend::graph::{NodeKind, Stage};
 use mdl_frontend::layout::ArgumentBlock;
@@ -15,6 +15,8 @@ pub struct Args {
     target: Target,
     #[command(flatten)]
     search: SearchPaths,
+    #[command(flatten)]
+    beyond: Beyond,
     /// Give a parameter a value, as an MDL expression
     #[arg(long = "arg", value_name = "NAME=VALUE")]
     arguments: Vec<Assignment>,
@@ -22,7 +24,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), Fail> {
-    let session = args.search.session()?;
+    let session = args.beyond.apply(args.search.session()?);
     let material = open_material(&session, &args.target, &args.arguments)?;
     let mut text = String::new();
     describe(&material, &mut text).expect("writing to a string succeeds");

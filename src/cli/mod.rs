@@ -13,7 +13,7 @@ mod progress;
 mod render;
 
 use clap::{Parser, Subcommand};
-use lacquer::{Error, Material, Module, Session};
+use lacquer::{BsdfOptions, Error, Material, Module, Session};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -152,6 +152,36 @@ impl SearchPaths {
         }
         session.add_search_paths_of_environment();
         Ok(session)
+    }
+}
+
+/// What BSDFs may do beyond MDL's definition.
+#[derive(Clone, Debug, clap::Args)]
+struct Beyond {
+    /// Go beyond MDL's definition (separated by commas); `bsdf explain` says what each does
+    #[arg(long = "bsdf-option", value_name = "NAME", value_enum, value_delimiter = ',')]
+    bsdf_options: Vec<BsdfOption>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum BsdfOption {
+    /// Smith masking and shadowing at correlated heights
+    CorrelatedMasking,
+    /// Lobes without a multiple scattering tint scatter in their own tint what they lose
+    MultipleScattering,
+    /// The base of a layer with a curve gets all that the layer does not reflect
+    ConservingLayers,
+}
+
+impl Beyond {
+    /// A session for such materials.
+    fn apply(&self, session: Session) -> Session {
+        let has = |option| self.bsdf_options.contains(&option);
+        session.with_bsdf_options(BsdfOptions {
+            correlated_masking: has(BsdfOption::CorrelatedMasking),
+            multiple_scattering: has(BsdfOption::MultipleScattering),
+            conserving_layers: has(BsdfOption::ConservingLayers),
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! `lacquer render`: a picture of a material.
 
 use super::progress::Display;
-use super::{Assignment, Fail, SearchPaths, Target, compile, json, open, parse_size, write_file};
+use super::{Assignment, Beyond, Fail, SearchPaths, Target, compile, json, open, parse_size, write_file};
 use lacquer::{Error, Film, Material, Render, RenderSettings, Scene, Session};
 use renderer::film::exr::{ExrMetadata, write_exr};
 use renderer::film::png::write_png;
@@ -21,6 +21,8 @@ pub struct Args {
     target: Option<Target>,
     #[command(flatten)]
     search: SearchPaths,
+    #[command(flatten)]
+    beyond: Beyond,
     /// Give a parameter of the material a value, as an MDL expression
     #[arg(long = "arg", value_name = "NAME=VALUE", requires = "target")]
     arguments: Vec<Assignment>,
@@ -104,7 +106,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     if let Some(report) = &args.report {
         refuse_to_write_nowhere(report)?;
     }
-    let session = args.search.session()?;
+    let session = args.beyond.apply(args.search.session()?);
     let mut seconds = Seconds::default();
     let mut scene = match args.scene.to_str() {
         Some("ball") => Scene::ball(),

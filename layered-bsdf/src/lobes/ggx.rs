@@ -44,6 +44,8 @@ pub mod code {
         /// Reflected share at the facet in question, where something else than Fresnel's equations decides
         /// it; else negative.
         pub reflected: f32,
+        /// Masking and shadowing at correlated heights.
+        pub correlated: bool,
     }
 
     /// Roughness limited to what the lobe is made for; a NaN is as good as smooth.
@@ -54,7 +56,7 @@ pub mod code {
     /// The lobe for roughnesses as authored and a sane index ratio.
     pub fn ggx_new(alpha_x: f32, alpha_y: f32, mode: u32, thin_walled: bool, eta: f32) -> Ggx {
         let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
-        Ggx { alpha, mode, thin_walled, eta: sane_eta(eta), reflected: -1.0 }
+        Ggx { alpha, mode, thin_walled, eta: sane_eta(eta), reflected: -1.0, correlated: false }
     }
 
     /// √(z² + αx²x² + αy²y²): the length of `w` after the stretch to a hemisphere of roughness 1.
@@ -68,6 +70,16 @@ pub mod code {
     pub fn ggx_g1(alpha: Vec2f, w: Vec3f) -> f32 {
         let z = abs(w.z);
         2.0 * z / (z + ggx_stretch(alpha, w))
+    }
+
+    /// G2/G1(wo) for a direction on either side; `stretch` is that of `wo`. With σ = ½(z + s), separable Smith is
+    /// z/σ of `wi`; at correlated heights 1 + Λo + Λi divides instead.
+    pub fn ggx_shadowing(lobe: Ggx, wo: Vec3f, stretch: f32, wi: Vec3f) -> f32 {
+        if !lobe.correlated {
+            return ggx_g1(lobe.alpha, wi);
+        }
+        let z = abs(wi.z);
+        z * (wo.z + stretch) / (z * stretch + wo.z * ggx_stretch(lobe.alpha, wi))
     }
 
     /// D at the direction of `h`, which need not have unit length; `h2` is its squared length.
@@ -111,7 +123,7 @@ pub mod code {
         let stretch = ggx_stretch(lobe.alpha, wo);
         let d = share * ggx_d(lobe.alpha, h, h2);
         LobeValue {
-            f: 0.5 * d * ggx_g1(lobe.alpha, wi) / (wo.z + stretch),
+            f: 0.5 * d * ggx_shadowing(lobe, wo, stretch, wi) / (wo.z + stretch),
             pdf: 0.5 * d / (ggx_cap_bound(lobe, wo) * wo.z + stretch),
         }
     }
@@ -156,8 +168,9 @@ pub mod code {
         let d = transmitted * ggx_d(lobe.alpha, h, h2);
         // |wo·wm| |wi·wm| = oh·(−ih)/h2; the two powers of 1/|h| of the Jacobian make it h2².
         let jacobian = lobe.eta * lobe.eta * (oh / h2) * (-ih / h2);
-        let pdf = 2.0 * d * jacobian / (wo.z + ggx_stretch(lobe.alpha, wo));
-        LobeValue { f: pdf * ggx_g1(lobe.alpha, wi), pdf }
+        let stretch = ggx_stretch(lobe.alpha, wo);
+        let pdf = 2.0 * d * jacobian / (wo.z + stretch);
+        LobeValue { f: pdf * ggx_shadowing(lobe, wo, stretch, wi), pdf }
     }
 
     /// A facet normal visible from `wo`, on the cap that `bound` leaves.

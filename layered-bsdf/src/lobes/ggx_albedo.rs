@@ -44,7 +44,7 @@ pub mod code {
         if wo.z <= 0.0 {
             return 0.0;
         }
-        if lobe.mode == MODE_REFLECT && lobe.alpha.x == lobe.alpha.y {
+        if lobe.mode == MODE_REFLECT && lobe.alpha.x == lobe.alpha.y && !lobe.correlated {
             return ggx_albedo_reflection(lobe.alpha.x, wo.z);
         }
         let step = 1.0 / f32(ALBEDO_CELLS);
@@ -70,7 +70,8 @@ pub mod code {
         let c = clamp(dot(wo, wm), 1e-7, 1.0);
         let mirror = wm * (2.0 * c) - wo;
         let r = ggx_reflectance(lobe, c);
-        let above = select(0.0, ggx_g1(lobe.alpha, mirror), mirror.z > 0.0);
+        let stretch = ggx_stretch(lobe.alpha, wo);
+        let above = select(0.0, ggx_shadowing(lobe, wo, stretch, mirror), mirror.z > 0.0);
         if lobe.thin_walled {
             return select(above, r * above, lobe.mode == MODE_REFLECT);
         }
@@ -78,7 +79,7 @@ pub mod code {
             return above;
         }
         let wt = refract_at(wo, wm, c, lobe.eta);
-        let below = select(0.0, ggx_g1(lobe.alpha, wt), wt.z < 0.0);
+        let below = select(0.0, ggx_shadowing(lobe, wo, stretch, wt), wt.z < 0.0);
         r * above + (1.0 - r) * below
     }
 }

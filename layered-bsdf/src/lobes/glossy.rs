@@ -101,7 +101,12 @@ pub mod code {
     ) -> f32 {
         let iz = abs(wi.z);
         if lobe.op == OP_BECKMANN_SMITH {
-            return iz / max(beckmann_area(lobe.ggx.alpha, wi), 1e-37);
+            let area = max(beckmann_area(lobe.ggx.alpha, wi), 1e-37);
+            if lobe.ggx.correlated {
+                let seen = max(beckmann_area(lobe.ggx.alpha, wo), 1e-37);
+                return seen * iz / max(seen * iz + (area - iz) * wo.z, 1e-37);
+            }
+            return iz / area;
         }
         if lobe.op == OP_WARD {
             return iz / max(visible * om * om, 1e-37);

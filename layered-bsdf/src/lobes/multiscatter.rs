@@ -44,7 +44,12 @@ pub mod code {
         x * (cubic(a, x) + x2 * x2 * cubic(b, x))
     }
 
-    /// The loss 1 − E of lobe `op` at cosine `mu`; at most that, but for GGX.
+    /// Which fits are for a lobe: its operation, flagged where heights are correlated.
+    pub fn loss_kind(lobe: Glossy) -> u32 {
+        lobe.op | select(0u32, FLAG_CORRELATED, lobe.ggx.correlated)
+    }
+
+    /// The loss 1 − E of a kind of lobe at cosine `mu`; at most that, but for GGX.
     pub fn glossy_loss(op: u32, alpha: f32, mu: f32) -> f32 {
         if op == OP_GGX_SMITH {
             return 1.0 - ggx_albedo_reflection(alpha, mu);
@@ -65,6 +70,30 @@ pub mod code {
                 cubic(vec4f(24.213737, -8.550887, 9.255230, -149.277097), alpha),
             ) * (1.0 - t)
                 - 0.0119;
+        }
+        if op == (OP_BECKMANN_SMITH | FLAG_CORRELATED) {
+            return quintic(
+                t,
+                cubic(vec4f(-0.012070, 0.033214, -0.119957, 0.110431), alpha),
+                cubic(vec4f(1.078240, -1.714757, 6.277661, -6.328772), alpha),
+                cubic(vec4f(-9.050296, 12.552000, -47.616779, 63.009265), alpha),
+                cubic(vec4f(34.399414, -30.570156, 123.712075, -220.821026), alpha),
+                cubic(vec4f(-50.402222, 33.792275, -129.260595, 341.172655), alpha),
+                cubic(vec4f(24.192633, -8.218997, 8.715681, -147.494675), alpha),
+            ) * (1.0 - t)
+                - 0.0119;
+        }
+        if op == (OP_GGX_SMITH | FLAG_CORRELATED) {
+            return quintic(
+                t,
+                cubic(vec4f(-0.002193, -0.003929, 0.019700, -0.009909), alpha),
+                cubic(vec4f(0.389514, 0.276278, 3.602155, -0.153941), alpha),
+                cubic(vec4f(-1.884535, 0.799644, -8.848353, -10.377415), alpha),
+                cubic(vec4f(9.441536, -15.514724, 46.543361, 51.055802), alpha),
+                cubic(vec4f(-13.996536, 36.710452, -59.939266, -145.717144), alpha),
+                cubic(vec4f(6.043220, -22.636623, 10.802714, 146.711971), alpha),
+            ) * (1.0 - t)
+                - 0.0039;
         }
         if op == OP_GGX_VCAVITIES {
             return quintic(
@@ -141,6 +170,22 @@ pub mod code {
                     sqrt(alpha),
                 );
         }
+        if op == (OP_BECKMANN_SMITH | FLAG_CORRELATED) {
+            return 1.019
+                * septic(
+                    vec4f(0.769040, -9.758975, 48.757141, -121.697163),
+                    vec4f(161.374213, -107.100001, 27.974245, 0.000000),
+                    sqrt(alpha),
+                );
+        }
+        if op == (OP_GGX_SMITH | FLAG_CORRELATED) {
+            return 1.010
+                * septic(
+                    vec4f(0.047996, -0.535666, 1.214514, 6.285924),
+                    vec4f(-16.741533, 15.685147, -5.375737, 0.000000),
+                    sqrt(alpha),
+                );
+        }
         if op == OP_GGX_VCAVITIES {
             return 1.050
                 * septic(
@@ -204,11 +249,11 @@ pub mod code {
 
     /// The loss of `lobe` at cosine `mu`, at most where it is anisotropic.
     pub fn lobe_loss(lobe: Glossy, mu: f32) -> f32 {
-        let loss = glossy_loss(lobe.op, lobe.ggx.alpha.x, mu);
+        let loss = glossy_loss(loss_kind(lobe), lobe.ggx.alpha.x, mu);
         if lobe.ggx.alpha.x == lobe.ggx.alpha.y {
             return loss;
         }
-        ANISOTROPIC_SHARE * min(loss, glossy_loss(lobe.op, lobe.ggx.alpha.y, mu))
+        ANISOTROPIC_SHARE * min(loss, glossy_loss(loss_kind(lobe), lobe.ggx.alpha.y, mu))
     }
 
     /// Multiple scattering of `lobe` seen from `wo`.
@@ -223,9 +268,9 @@ pub mod code {
                 transmitted = 1.0 - reflected;
             }
         }
-        let mut mean_loss: f32 = glossy_mean_loss(lobe.op, alpha.x);
+        let mut mean_loss: f32 = glossy_mean_loss(loss_kind(lobe), alpha.x);
         if alpha.x != alpha.y {
-            mean_loss = ANISOTROPIC_SHARE * min(mean_loss, glossy_mean_loss(lobe.op, alpha.y));
+            mean_loss = ANISOTROPIC_SHARE * min(mean_loss, glossy_mean_loss(loss_kind(lobe), alpha.y));
         }
         Multiscatter {
             loss: lobe_loss(lobe, unit(wo.z)),

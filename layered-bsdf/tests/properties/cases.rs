@@ -17,6 +17,8 @@ pub struct Case {
     pub lossless: bool,
     /// f(a, b)/ηb² = f(b, a)/ηa².
     pub reciprocal: bool,
+    /// Beyond MDL.
+    pub options: BsdfOptions,
 }
 
 /// Everything that the evaluator needs for a case.
@@ -30,9 +32,16 @@ pub struct Setup {
 }
 
 impl Case {
+    /// A case that is reciprocal and not lossless, without options.
+    pub fn new(name: impl Into<String>, tree: Tree<f32>, point: ShadingPoint) -> Self {
+        let options = BsdfOptions::default();
+        Self { name: name.into(), tree, point, lossless: false, reciprocal: true, options }
+    }
+
     /// Lays the tree out.
     pub fn setup(&self) -> Setup {
-        let (program, params) = LayerProgram::with_values(&self.tree).expect("the list holds small trees");
+        let (program, params) = LayerProgram::with_values_and_options(&self.tree, self.options, self.point)
+            .expect("the list holds small trees");
         Setup { program: program.to_program(), params, point: self.point }
     }
 
@@ -81,6 +90,7 @@ pub fn cases() -> Vec<Case> {
     for kind in KINDS {
         kind.cases(&mut list);
     }
+    crate::optional::cases(&mut list);
     if let Ok(text) = std::env::var("LACQUER_CASES") {
         list.retain(|case| case.name.contains(&text));
     }
@@ -593,5 +603,5 @@ pub fn layer(
 }
 
 fn add(list: &mut Vec<Case>, name: &str, tree: Tree<f32>, point: ShadingPoint, lossless: bool) {
-    list.push(Case { name: name.to_string(), tree, point, lossless, reciprocal: true });
+    list.push(Case { lossless, ..Case::new(name, tree, point) });
 }

@@ -150,6 +150,7 @@ fn bad_parameters_stay_finite() {
                 tree,
                 point: point(1.0, 1.5, 0),
                 lossless: false,
+                options: BsdfOptions::default(),
                 reciprocal: false,
             });
         }
@@ -174,6 +175,7 @@ fn antipodal_directions_scatter_nothing_reflected() {
         tree: ggx(0.5, 0.5, ScatterMode::Reflect),
         point: point(1.0, 1.5, 0),
         lossless: false,
+        options: BsdfOptions::default(),
         reciprocal: true,
     }
     .setup();

@@ -59,6 +59,7 @@ fn ggx_at_roughness_one_has_its_exact_albedo() {
         tree: ggx(1.0, 1.0, ScatterMode::Reflect),
         point: point(1.0, 1.0, 0),
         lossless: false,
+        options: BsdfOptions::default(),
         reciprocal: true,
     };
     let value = energy(&case, direction(1.0, 0.0));
@@ -81,6 +82,7 @@ fn random_trees_never_gain_energy() {
             tree: fitting(),
             point: point(1.0, 1.0 + 0.01 * i as f32, 0),
             lossless: false,
+            options: BsdfOptions::default(),
             reciprocal: true,
         })
         .collect();

@@ -5,7 +5,7 @@ use crate::math::{Random, direction};
 use layered_bsdf::prelude::*;
 
 fn case(tree: Tree<f32>) -> Case {
-    Case { name: String::new(), tree, point: point(1.0, 1.5, 0), lossless: false, reciprocal: true }
+    Case::new("", tree, point(1.0, 1.5, 0))
 }
 
 /// Largest difference of values over random directions.

@@ -8,7 +8,7 @@ use super::stage::{Leaves, UniformStage};
 use super::values::Strings;
 use crate::Input;
 use crate::material::{Emission, Face, Inputs, IntensityMode, Material, PROGRAM_OFFSET, Part};
-use layered_bsdf::prelude::{LayerProgram, Params, Slot, Tree};
+use layered_bsdf::prelude::{BsdfOptions, LayerProgram, Params, Slot, Tree};
 use mdl_frontend::graph::{Graph, MaterialGraph, NodeId, NodeKind, Op, Stage, SurfaceRoots};
 use mdl_frontend::value::Value;
 use std::collections::HashMap;
@@ -95,7 +95,11 @@ pub fn arguments_of(graph: &Graph) -> Vec<Value> {
 
 impl CompiledMaterial {
     /// Compiles a material; `arguments` (one per parameter) decide its structure.
-    pub fn new(material: &MaterialGraph, arguments: &[Value]) -> Result<Self, LowerError> {
+    pub fn new(
+        material: &MaterialGraph,
+        arguments: &[Value],
+        options: BsdfOptions,
+    ) -> Result<Self, LowerError> {
         let mut graph = GrowingGraph::new(material.graph.clone());
         let mut strings = Strings::default();
         let roots = &material.roots;
@@ -111,7 +115,7 @@ impl CompiledMaterial {
         let leading = |node: NodeId, graph: &GrowingGraph| color_params(graph, node);
         let ior = leading(roots.ior, &graph);
         let mut face = |trees: &FaceTrees| -> Result<_, LowerError> {
-            let (bsdf, slots) = LayerProgram::new(&trees.scattering)?;
+            let (bsdf, slots) = LayerProgram::with_options(&trees.scattering, options)?;
             let scattering = outputs(ior, slots);
             let (emission, slots) = match &trees.emission {
                 Some(tree) => LayerProgram::new(tree).map(|(program, slots)| (Some(program), slots))?,
@@ -212,12 +216,18 @@ impl CompiledMaterial {
                 },
             }),
         };
+        let thin_walled = integer(self.thin_walled) != 0;
+        let mut inputs = self.parts.each_ref().map(|plan| plan.instantiate(&self.name, &values, textures));
+        let backface = self.backface.as_ref().map(|face| (Part::Backface, face));
+        for (part, face) in [(Part::Surface, &self.surface)].into_iter().chain(backface) {
+            inputs[part as usize].conserve(&face.bsdf, thin_walled);
+        }
         Ok(Some(Material {
             name: self.name.clone(),
-            thin_walled: integer(self.thin_walled) != 0,
+            thin_walled,
             surface: face(&self.surface),
             backface: self.backface.as_ref().map(face),
-            inputs: self.parts.each_ref().map(|plan| plan.instantiate(&self.name, &values, textures)),
+            inputs,
         }))
     }
 
