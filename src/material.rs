@@ -5,9 +5,11 @@ use crate::error::Error;
 use crate::probe::Probe;
 use crate::session::Module;
 use crate::textures::Textures;
+use layered_bsdf::prelude::{BsdfOptions, MAX_PARAMS, Params};
 use mdl_frontend::Argument;
 use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource};
 use mdl_frontend::value::Value;
+use mdl_jit::material::{PROGRAM_OFFSET, Part};
 use mdl_jit::mdl::CompiledMaterial;
 use std::sync::{Arc, OnceLock};
 
@@ -121,9 +123,25 @@ impl Material {
         Ok(())
     }
 
-    /// What the material asks for and does not get, in sentences.
-    pub fn warnings(&self) -> &[String] {
-        self.code.warnings()
+    /// What the material asks for and does not get, and parameters of its BSDFs that are outside of what they may
+    /// be, in sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.code.warnings().to_vec();
+        let backface = self.shaded.backface.as_ref().map(|face| (face, Part::Backface));
+        for (face, part) in [(&self.shaded.surface, Part::Surface)].into_iter().chain(backface) {
+            let inputs = self.shaded.inputs(part);
+            let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
+            inputs.load(&mut params);
+            let varies = |slot: usize| inputs.varying.contains(&((slot + PROGRAM_OFFSET) as u32));
+            let complaints = face.bsdf.complaints(&params, varies);
+            warnings.extend(complaints.into_iter().map(|text| format!("`{}`: {text}", self.name())));
+        }
+        warnings
+    }
+
+    /// What its BSDFs do beyond MDL's definition.
+    pub fn bsdf_options(&self) -> BsdfOptions {
+        self.module.session().bsdf_options()
     }
 
     /// Files that it refers to.

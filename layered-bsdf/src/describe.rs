@@ -89,9 +89,31 @@ impl LayerProgram {
     }
 }
 
-fn describe(index: usize, word: u32, mut slot: u32, second: u32, count_or_mode: u32) -> NodeText {
+/// Parameters of a node: names, first slots, numbers of slots.
+pub(crate) fn parameters(word: u32, mut slot: u32, count_or_mode: u32) -> Vec<(&'static str, u32, u32)> {
     let op = word & OP_MASK;
     let operation = operation(op);
+    let present = operation.optional.iter().filter(|(flag, _)| word & flag != 0).map(|(_, name)| (*name, 3));
+    let curve = matches!(op, OP_MEASURED_FACTOR | OP_MEASURED_LAYER).then_some(("curve", 3 * count_or_mode));
+    let normal = op == OP_MEASURED_LAYER && word & FLAG_VECTOR != 0;
+    let film = [("film thickness", 1), ("film ior", 3)].into_iter().filter(|_| word & FLAG_FILM != 0);
+    let last = curve.into_iter().chain(normal.then_some(("normal", 3))).chain(film);
+    let all = operation.parameters.iter().copied().chain(present).chain(last);
+    all.map(|(name, count)| {
+        let first = slot;
+        slot += count;
+        (name, first, count)
+    })
+    .collect()
+}
+
+/// Name of the operation of a node.
+pub(crate) fn name(word: u32) -> &'static str {
+    operation(word & OP_MASK).name
+}
+
+fn describe(index: usize, word: u32, slot: u32, second: u32, count_or_mode: u32) -> NodeText {
+    let op = word & OP_MASK;
     let has_mode = op == OP_SPECULAR || op >= OP_GGX_SMITH && op < OP_WARD;
     let mode = match count_or_mode {
         _ if !has_mode => "",
@@ -99,26 +121,23 @@ fn describe(index: usize, word: u32, mut slot: u32, second: u32, count_or_mode: 
         crate::lobes::MODE_TRANSMIT => ", transmitting",
         _ => ", reflecting and transmitting",
     };
-    let present = operation.optional.iter().filter(|(flag, _)| word & flag != 0).map(|(_, name)| (*name, 3));
-    let curve = matches!(op, OP_MEASURED_FACTOR | OP_MEASURED_LAYER).then_some(("curve", 3 * count_or_mode));
-    let normal = op == OP_MEASURED_LAYER && word & FLAG_VECTOR != 0;
-    let film = (word & FLAG_FILM != 0).then_some(("film", 4));
-    let last = curve.into_iter().chain(normal.then_some(("normal", 3))).chain(film);
-    let mut slots = Vec::new();
-    for (name, count) in operation.parameters.iter().copied().chain(present).chain(last) {
-        slots.push(match count {
-            1 => format!("{name} [{slot}]"),
-            _ => format!("{name} [{slot}..{}]", slot + count),
-        });
-        slot += count;
-    }
+    let slots = parameters(word, slot, count_or_mode).into_iter().map(|(name, slot, count)| match count {
+        1 => format!("{name} [{slot}]"),
+        _ => format!("{name} [{slot}..{}]", slot + count),
+    });
+    let slots: Vec<String> = slots.collect();
     let children = match op {
         op if op >= OP_DIFFUSE_EDF => vec![],
         op if op >= OP_WEIGHTED_LAYER => vec![index + 1, second as usize],
         op if op >= OP_TINT => vec![index + 1],
         _ => vec![],
     };
-    NodeText { name: format!("{}{mode}", operation.name), slots: slots.join(", "), children }
+    let beyond = match word & FLAG_CORRELATED {
+        0 => "",
+        _ if op < OP_TINT => ", correlated heights",
+        _ => ", conserving",
+    };
+    NodeText { name: format!("{}{mode}{beyond}", name(word)), slots: slots.join(", "), children }
 }
 
 #[cfg(test)]

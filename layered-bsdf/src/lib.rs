@@ -52,6 +52,7 @@ pub mod prepare;
 pub mod program;
 pub mod reach;
 pub mod sampling;
+pub mod sanity;
 pub mod spot;
 pub mod walk;
 pub mod wgsl;

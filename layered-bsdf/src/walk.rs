@@ -14,6 +14,7 @@
 use crate::nodes::*;
 use crate::prelude::*;
 use crate::program::LayerProgram;
+use wgsl_rs::std::Vec4u;
 
 /// Roughness below which an interface is smooth.
 const SMOOTH: f64 = 1e-3;
@@ -73,7 +74,9 @@ impl Stack {
     pub fn of(program: &LayerProgram, params: &Params, point: ShadingPoint) -> Option<Self> {
         let value = |slot: u32| f64::from(params.v[slot as usize]);
         let three = |slot: u32| [value(slot), value(slot + 1), value(slot + 2)];
-        let plain = |n: &wgsl_rs::std::Vec4u| n.x & (FLAG_VECTOR | FLAG_COLOR | FLAG_FILM) == 0;
+        let plain = |n: &Vec4u| n.x & (FLAG_VECTOR | FLAG_FILM) == 0;
+        // What is scattered more than once has the tint of what is scattered once, here.
+        let one_tint = |n: &Vec4u, slot: u32| n.x & FLAG_COLOR == 0 || three(n.y + slot) == three(n.y);
         let nodes = program.nodes();
         let mut index = 0;
         let ior = point.ior_near;
@@ -85,21 +88,25 @@ impl Stack {
                 return None;
             }
             let tint = three(n.y);
-            let alpha = |n: &wgsl_rs::std::Vec4u| {
-                [value(n.y + SLOT_GLOSSY_ALPHA), value(n.y + SLOT_GLOSSY_ALPHA + 1)]
-            };
+            let alpha = |n: &Vec4u| [value(n.y + SLOT_GLOSSY_ALPHA), value(n.y + SLOT_GLOSSY_ALPHA + 1)];
             let reflects = n.w == crate::lobes::MODE_REFLECT;
             let ground = match n.x & OP_MASK {
                 OP_BLACK => Ground::Black,
-                OP_DIFFUSE_REFLECTION if value(n.y + SLOT_DIFFUSE_ROUGHNESS) == 0.0 => Ground::Diffuse(tint),
+                OP_DIFFUSE_REFLECTION
+                    if value(n.y + SLOT_DIFFUSE_ROUGHNESS) == 0.0 && one_tint(&n, SLOT_DIFFUSE_MULTIPLE) =>
+                {
+                    Ground::Diffuse(tint)
+                }
                 OP_SPECULAR if reflects => Ground::Glossy(tint, [0.0; 2]),
-                OP_GGX_SMITH if reflects => Ground::Glossy(tint, alpha(&n)),
+                OP_GGX_SMITH if reflects && one_tint(&n, SLOT_GLOSSY_MULTIPLE) => {
+                    Ground::Glossy(tint, alpha(&n))
+                }
                 op @ (OP_FRESNEL_LAYER | OP_COLOR_FRESNEL_LAYER) => {
                     let (top, base) = program.children(index);
                     let lobe = nodes[top];
                     let alpha = match lobe.x & OP_MASK {
                         OP_SPECULAR => [0.0; 2],
-                        OP_GGX_SMITH => alpha(&lobe),
+                        OP_GGX_SMITH if one_tint(&lobe, SLOT_GLOSSY_MULTIPLE) => alpha(&lobe),
                         _ => return None,
                     };
                     let white = three(lobe.y) == [1.0; 3] && three(n.y + SLOT_LAYER_WEIGHT) == [1.0; 3];

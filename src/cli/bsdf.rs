@@ -1,5 +1,6 @@
 //! `lacquer bsdf`: value, density, samples and energy of a material's BSDF at a point, as JSON.
 
+use super::explain::explain;
 use super::{
     Assignment, Beyond, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector,
 };
@@ -21,7 +22,8 @@ pub struct Args {
     arguments: Vec<Assignment>,
     /// Direction to the viewer, in the frame of the surface (z is the normal)
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_direction, allow_hyphen_values = true)]
-    wo: [f32; 3],
+    #[arg(required_unless_present = "explain", default_value_if("explain", "true", "0,0,1"))]
+    wo: Option<[f32; 3]>,
     /// Direction to the light
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_direction, allow_hyphen_values = true)]
     wi: Option<[f32; 3]>,
@@ -46,9 +48,12 @@ pub struct Args {
     /// What runs `eval` and `pdf` at f32: native code, or a compute kernel
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
+    /// Say what the BSDF does beyond MDL's definition; for coats, compare it with random walks of light
+    #[arg(long)]
+    explain: bool,
     /// What to ask
-    #[arg(value_enum)]
-    verb: Verb,
+    #[arg(value_enum, required_unless_present = "explain")]
+    verb: Option<Verb>,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -82,7 +87,8 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     if args.xi.iter().any(|u| !(0.0..1.0).contains(u)) {
         return Err(Fail::Usage("random numbers lie in 0 to 1, 1 excluded".to_string()));
     }
-    if args.wo[2] <= 0.0 {
+    let wo = args.wo.unwrap_or([0.0, 0.0, 1.0]);
+    if wo[2] <= 0.0 {
         return Err(Fail::Usage("--wo must lie above the surface: its third number is positive".to_string()));
     }
     let session = args.beyond.apply(args.search.session()?);
@@ -93,35 +99,41 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         inside: args.inside,
         ..SurfacePoint::default()
     };
+    if args.explain {
+        let mut text = String::new();
+        explain(&material, args.inside, &mut text)?;
+        print!("{text}");
+    }
+    let Some(verb) = args.verb else { return Ok(()) };
     let mut probe = material.at(&at)?;
     let mut object = Map::new();
     object.insert("material".to_string(), json!(material.name()));
-    object.insert("wo".to_string(), json::floats(args.wo));
+    object.insert("wo".to_string(), json::floats(wo));
     if let Some(wi) = args.wi {
         object.insert("wi".to_string(), json::floats(wi));
     }
-    match args.verb {
+    match verb {
         Verb::Eval | Verb::Pdf => {
             let wi = args.wi.ok_or_else(|| Fail::Usage("`eval` and `pdf` need --wi".to_string()))?;
-            let (value, pdf) = evaluate(args, &mut probe, wi)?;
-            if args.verb == Verb::Eval {
+            let (value, pdf) = evaluate(args, &mut probe, wo, wi)?;
+            if verb == Verb::Eval {
                 object.insert("value".to_string(), value);
             }
             object.insert("pdf".to_string(), pdf);
         }
         Verb::Sample => {
-            let sample = probe.sample(args.wo, args.xi);
+            let sample = probe.sample(wo, args.xi);
             object.insert("wi".to_string(), json::floats(sample.wi));
             object.insert("pdf".to_string(), json::float(sample.pdf));
             object.insert("weight".to_string(), json::floats(sample.weight));
             object.insert("event".to_string(), json!(event_name(sample.event)));
         }
         Verb::Albedo => {
-            object.insert("albedo".to_string(), json::floats(probe.albedo(args.wo)));
+            object.insert("albedo".to_string(), json::floats(probe.albedo(wo)));
         }
         Verb::Furnace => {
-            let by_eval = probe.furnace_by_eval(args.wo);
-            let by_sample = probe.furnace_by_sample(args.wo, args.samples);
+            let by_eval = probe.furnace_by_eval(wo);
+            let by_sample = probe.furnace_by_sample(wo, args.samples);
             object.insert("by_eval".to_string(), by_eval.map(json::double).to_vec().into());
             object.insert("by_sample".to_string(), by_sample.map(json::double).to_vec().into());
         }
@@ -134,10 +146,11 @@ pub fn run(args: &Args) -> Result<(), Fail> {
 fn evaluate(
     args: &Args,
     probe: &mut lacquer::Probe,
+    wo: [f32; 3],
     wi: [f32; 3],
 ) -> Result<(serde_json::Value, serde_json::Value), Fail> {
     if args.precision == Precision::F32 && args.backend == Backend::Cpu {
-        let evaluation = probe.eval(args.wo, wi);
+        let evaluation = probe.eval(wo, wi);
         return Ok((json::floats(evaluation.value), json::float(evaluation.pdf)));
     }
     if args.precision == Precision::F64 && args.backend == Backend::Gpu {
@@ -151,7 +164,7 @@ fn evaluate(
         context = mdl_jit::gpu::Context::new().map_err(|e| Error::Setting(e.to_string()))?;
         Executor::Gpu(&context)
     };
-    let (value, pdf) = probe.eval_on(executor, args.wo, wi)?;
+    let (value, pdf) = probe.eval_on(executor, wo, wi)?;
     let number = |x: f64| if precise { json::double(x) } else { json::float(x as f32) };
     Ok((value.map(number).to_vec().into(), number(pdf)))
 }

@@ -113,7 +113,7 @@ fn costs(material: &Material, out: &mut String) -> Result<(), Fail> {
 }
 
 /// The nodes of a layer program, one a line, indented by nesting.
-fn program(program: &layered_bsdf::prelude::LayerProgram, out: &mut String) -> std::fmt::Result {
+pub(super) fn program(program: &layered_bsdf::prelude::LayerProgram, out: &mut String) -> std::fmt::Result {
     let nodes = program.nodes();
     // Second children wait until the first is done; their nesting is that of the first.
     let mut depth = vec![0; nodes.len()];

@@ -6,6 +6,7 @@ mod check;
 mod doc;
 mod emit;
 mod eval;
+mod explain;
 mod fmt;
 mod inspect;
 mod json;
