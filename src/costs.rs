@@ -31,7 +31,7 @@ pub struct Costs {
 impl Costs {
     pub(crate) fn measure(material: &Material) -> Result<Self, Error> {
         let textures = material.textures()?;
-        let shaded = material.with_textures(&textures.numbers[0])?;
+        let shaded = material.with_textures(&textures, &textures.numbers[0])?;
         let inputs = shaded.inputs(Part::Surface);
         let mut state = StateBatch::default();
         state.reset(BATCH, inputs.state);

@@ -96,7 +96,7 @@ impl Function {
 
     fn evaluate(&mut self, executor: Executor<'_>, state: &StateBatch) -> Result<Results, Error> {
         let transforms = &crate::probe::IDENTITY;
-        let Textures { table, numbers } = &self.textures;
+        let Textures { table, numbers, .. } = &self.textures;
         let textures = Renumbered { textures: table, numbers: &numbers[0] };
         let runtime = Runtime { textures: &textures, transforms, animation_time: 0.0, meters_per_unit: 1.0 };
         self.code.run(executor, &self.arguments, state, &runtime).map_err(failed(&self.name))

@@ -5,10 +5,11 @@ use crate::error::Error;
 use crate::probe::Probe;
 use crate::session::Module;
 use crate::textures::Textures;
+use layered_bsdf::measured::Measurement;
 use layered_bsdf::prelude::{BsdfOptions, MAX_PARAMS, Params};
-use mdl_frontend::Argument;
-use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource};
+use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource, ResourceKind};
 use mdl_frontend::value::Value;
+use mdl_frontend::{Argument, Failure};
 use mdl_jit::material::{PROGRAM_OFFSET, Part};
 use mdl_jit::mdl::CompiledMaterial;
 use std::sync::{Arc, OnceLock};
@@ -149,6 +150,18 @@ impl Material {
         &self.graph.graph.resources
     }
 
+    /// The measured BSDFs that it refers to, with their files.
+    pub fn measurements(&self) -> Result<Vec<(Arc<str>, Measurement)>, Error> {
+        let mut found = Vec::new();
+        for resource in self.resources().iter().filter(|r| r.kind == ResourceKind::BsdfMeasurement) {
+            let source = self.module.source(&resource.span.file);
+            let fail = |reason| Failure::unreadable(resource, reason, source);
+            let measurement = crate::textures::measurement(&self.module, resource).map_err(fail)?;
+            found.push((resource.path.clone(), measurement));
+        }
+        Ok(found)
+    }
+
     /// The graph of its values.
     pub fn graph(&self) -> &MaterialGraph {
         &self.graph
@@ -160,12 +173,19 @@ impl Material {
     }
 
     /// The form that a renderer takes, with the numbers that it has for the resources.
-    pub(crate) fn with_textures(&self, numbers: &[u32]) -> Result<Arc<mdl_jit::material::Material>, Error> {
+    pub(crate) fn with_textures(
+        &self,
+        textures: &Textures,
+        numbers: &[u32],
+    ) -> Result<Arc<mdl_jit::material::Material>, Error> {
         if numbers.is_empty() {
             return Ok(self.shaded.clone());
         }
         let shaded = instantiate(&self.graph, &self.code, &self.arguments, Some(numbers))?;
-        Ok(Arc::new(shaded.expect("the arguments are those that decided the structure")))
+        let mut shaded = shaded.expect("the arguments are those that decided the structure");
+        let fail = |e| Error::Setting(format!("{}: a picture of a factor: {e}", self.graph.name));
+        shaded.tables = textures.tables(&shaded, numbers).map_err(fail)?;
+        Ok(Arc::new(shaded))
     }
 
     /// Its textures, numbered as its resources; loaded when they are first asked for.

@@ -5,7 +5,7 @@ use crate::material::Material;
 use layered_bsdf::prelude::*;
 use mdl_jit::material::{PROGRAM_OFFSET, Part, Runtime};
 use mdl_jit::state::{StateBatch, StateField};
-use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Signature};
+use mdl_jit::{ArgMode, Argument, Batch, Buffer, Executor, Input, Mode, Options, Output, Signature};
 use std::f64::consts::{PI, TAU};
 
 /// A point of a surface in its own frame: x and y are the texture tangents, z the normal.
@@ -59,7 +59,8 @@ pub struct Probe {
 
 impl Probe {
     pub(crate) fn new(material: &Material, at: &SurfacePoint) -> Result<Self, Error> {
-        let shaded = material.shaded();
+        let textures = material.textures()?;
+        let shaded = material.with_textures(&textures, &textures.numbers[0])?;
         let (face, part, _) = shaded.face(at.inside);
         let outputs = evaluate_inputs(material, part, at)?;
         let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
@@ -71,7 +72,7 @@ impl Probe {
         let flags =
             if shaded.thin_walled { POINT_THIN_WALLED } else { 0 } | if at.inside { POINT_INSIDE } else { 0 };
         let point = shading_point(vec3f(0.0, 0.0, 1.0), near, far, flags);
-        Ok(Self { program: face.bsdf.to_program(), params, point })
+        Ok(Self { program: face.bsdf.with_tables(&shaded.tables), params, point })
     }
 
     /// Value and density. Specular lobes have neither.
@@ -89,7 +90,15 @@ impl Probe {
         wi: [f32; 3],
     ) -> Result<([f64; 3], f64), Error> {
         let failed = |e: &dyn std::fmt::Display| Error::Setting(e.to_string());
-        let library = mdl_jit::Program::from_wgsl(&layered_bsdf::wgsl::source()).map_err(|e| failed(&e))?;
+        let tables = &self.program.tables;
+        let source = match tables.is_empty() {
+            true => layered_bsdf::wgsl::source(),
+            false => layered_bsdf::wgsl::source_with_tables(),
+        };
+        let library = mdl_jit::Program::from_wgsl(&source).map_err(|e| failed(&e))?;
+        let words = tables.words().ok_or_else(|| failed(&"its measurements are too large for a buffer"))?;
+        let global = library.global("table_words");
+        let buffers = global.map(|global| Buffer { global, words: &words }).into_iter().collect();
         let function = library.function("bsdf_eval").expect("the library has an evaluator");
         let mut program = vec![self.program.count];
         program.extend(self.program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
@@ -117,7 +126,7 @@ impl Probe {
             true => wide.iter_mut().map(|column| Output::F64(column)).collect(),
             false => narrow.iter_mut().map(|column| Output::F32(column)).collect(),
         };
-        let mut batch = Batch { len: 1, args, outputs, ..Batch::default() };
+        let mut batch = Batch { len: 1, args, outputs, buffers, ..Batch::default() };
         executor
             .execute(&library.module, &library.info, function, &signature, &Options::default(), &mut batch)
             .map_err(|e| failed(&e))?;
@@ -238,7 +247,7 @@ pub fn evaluate_inputs(material: &Material, part: Part, at: &SurfacePoint) -> Re
         set_flat(&mut state, field, 0, at.position, at.uvw);
     }
     let textures = material.textures()?;
-    let shaded = material.with_textures(&textures.numbers[0])?;
+    let shaded = material.with_textures(&textures, &textures.numbers[0])?;
     let inputs = shaded.inputs(part);
     let runtime = Runtime {
         textures: &textures.table,

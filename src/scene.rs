@@ -133,9 +133,8 @@ impl Scene {
         let mut materials = Vec::new();
         for (own, assigned) in self.own.iter().zip(&self.assigned) {
             materials.push(match assigned {
-                Some(material) => {
-                    material.with_textures(numbers.next().expect("one list per assigned material"))?
-                }
+                Some(material) => material
+                    .with_textures(&textures, numbers.next().expect("one list per assigned material"))?,
                 None => Arc::new(own.build().map_err(|e| Error::Setting(format!("{}: {e}", own.name)))?),
             });
         }

@@ -3,11 +3,17 @@
 use crate::error::Error;
 use crate::session::Module;
 use crate::tiles::{Tile, is_set, tiles};
+use layered_bsdf::measured::Measurement;
+use layered_bsdf::nodes::{OP_MEASURED_BSDF, OP_MEASURED_PICTURE};
+use layered_bsdf::picture::picture_table;
+use layered_bsdf::tables::{Table, TableSize, Tables};
 use mdl_frontend::Failure;
 use mdl_frontend::graph::{GammaMode, Resource, ResourceKind};
-use mdl_jit::texture::{Entry, NO_TEXTURE, TextureError, TextureTable};
+use mdl_jit::material::Material;
+use mdl_jit::texture::{Entry, Format, Image, NO_TEXTURE, TextureError, TextureTable, Textures as _};
 use renderer::images::{
-    Gamma, ImageError, ImageFile, ImageLimits, TextureImage, load_grid, load_profile, load_selected_texture,
+    Gamma, ImageError, ImageFile, ImageLimits, TextureImage, load_grid, load_measurement, load_profile,
+    load_selected_texture,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -18,6 +24,8 @@ pub struct Textures {
     pub table: TextureTable,
     /// By user, then by resource of its graph: the number in the table.
     pub numbers: Vec<Vec<u32>>,
+    /// Measurements, by the number in the table.
+    measured: Vec<Option<Arc<Table>>>,
 }
 
 /// What makes a texture another one.
@@ -32,6 +40,7 @@ struct Key {
 /// A texture that a resource is.
 enum Loaded {
     Image(TextureImage),
+    Measurement(Arc<Table>),
     Tiles {
         columns: u32,
         rows: u32,
@@ -71,9 +80,36 @@ impl Textures {
             numbers.push(own);
         }
         let table = table(&mut loaded).map_err(|e| Error::Setting(e.to_string()))?;
-        Ok(Self { table, numbers })
+        let measured = loaded.into_iter().map(|loaded| match loaded {
+            Loaded::Measurement(table) => Some(table),
+            Loaded::Image(_) | Loaded::Tiles { .. } => None,
+        });
+        Ok(Self { table, numbers, measured: measured.collect() })
+    }
+
+    /// What the BSDFs of a material look up, by the number of its resource: measurements, and pictures of
+    /// factors. `numbers` are those of its resources here.
+    pub fn tables(&self, material: &Material, numbers: &[u32]) -> Result<Tables, TableSize> {
+        let mut list = vec![None; numbers.len()];
+        for resource in material.table_numbers(OP_MEASURED_BSDF) {
+            list[resource] = self.measured[numbers[resource] as usize].clone();
+        }
+        for resource in material.table_numbers(OP_MEASURED_PICTURE) {
+            let number = numbers[resource];
+            let [width, height] = self.table.size_2d(number, [0, 0]);
+            let texel = |x: u32, y: u32| {
+                let [r, g, b, _] = self.table.texel_2d(number, [x as i32, y as i32], [0, 0]);
+                [r, g, b]
+            };
+            list[resource] = Some(Arc::new(picture_table(width, height, texel)?));
+        }
+        Ok(Tables::new(list))
     }
 }
+
+/// A texture that nobody looks up.
+const NO_TEXELS: Image<'static> =
+    Image { width: 1, height: 1, depth: 1, format: Format::Grey32Float, texels: &[0] };
 
 /// The table: what resources are, in order, then the images of tiles.
 fn table(loaded: &mut [Loaded]) -> Result<TextureTable, TextureError> {
@@ -89,6 +125,8 @@ fn table(loaded: &mut [Loaded]) -> Result<TextureTable, TextureError> {
     for texture in loaded.iter() {
         entries.push(match texture {
             Loaded::Image(image) => Entry::Image(image.as_image()),
+            // Its number, for who asks whether it is there.
+            Loaded::Measurement(_) => Entry::Image(NO_TEXELS),
             Loaded::Tiles { columns, rows, numbers, .. } => {
                 Entry::Tiles { columns: *columns, rows: *rows, numbers }
             }
@@ -120,8 +158,18 @@ fn load(module: &Module, resource: &Resource) -> Result<Loaded, String> {
         ResourceKind::LightProfile => {
             load_profile(file).map(|profile| Loaded::Image(profile.to_texture())).map_err(|e| e.cause)
         }
-        ResourceKind::BsdfMeasurement => Err("measured BSDFs are not supported yet".to_string()),
+        ResourceKind::BsdfMeasurement => {
+            let table = load_measurement(file).map_err(|e| e.cause)?.table().map_err(|e| e.to_string())?;
+            Ok(Loaded::Measurement(Arc::new(table)))
+        }
     }
+}
+
+/// Reads the measurement that a resource is.
+pub fn measurement(module: &Module, resource: &Resource) -> Result<Measurement, String> {
+    let bytes = module.session().contained(&resource.path)?;
+    let file = ImageFile { path: Path::new(&*resource.path), bytes: bytes.as_deref() };
+    load_measurement(file).map_err(|e| e.cause)
 }
 
 fn load_tiles(set: &Path, resource: &Resource, limits: &ImageLimits) -> Result<Loaded, String> {

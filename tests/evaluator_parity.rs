@@ -1,10 +1,14 @@
 //! The BSDF evaluator is written once and runs in four ways: native Rust, the interpreter (`f32` and
 //! `f64`), SPMD lanes on the CPU, and a compute kernel. They must say the same.
 
+use layered_bsdf::measured::{MeasuredSide, Measurement};
+use layered_bsdf::picture::picture_table;
 use layered_bsdf::prelude::*;
 use mdl_jit::{
-    ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature, evaluator,
+    ArgMode, Argument, Batch, Buffer, Executor, Input, Mode, Options, Output, Program as Code, Signature,
+    evaluator,
 };
+use std::sync::Arc;
 
 /// Pairs of directions per tree.
 const PAIRS: usize = 259;
@@ -116,11 +120,16 @@ fn trees() -> Vec<(&'static str, Tree<f32>)> {
     let flakes = Tree::MicroflakeSheen { tint: [0.9, 0.8, 0.7], roughness: 0.4 };
     let dust = Tree::DustyDiffuse { tint: [0.9, 0.5, 0.1] };
     let dusty = layer(Curve::Microflake { roughness: 0.4 }, flakes, dust, None);
+    let both = ScatterMode::ReflectTransmit;
+    let measurement = Tree::MeasuredBsdf { measurement: 0.0, multiplier: 1.5, mode: both };
+    let turned = layer(Curve::Constant, measurement, diffuse(0.1), Some([0.2, -0.1, 0.95]));
+    let pictured = Tree::MeasuredPicture { picture: 1.0, base: Box::new(turned) };
     let mix = lobes.into_iter().fold(velvet, |mix, lobe| layer(Curve::Constant, lobe, mix, None));
     vec![
         ("every glossy lobe", mix),
         ("films and factors", films),
         ("dusty microflakes", dusty),
+        ("measured lobe and factor", pictured),
         ("diffuse", diffuse(0.0)),
         ("rough diffuse", diffuse(0.7)),
         ("glossy", glossy),
@@ -129,6 +138,23 @@ fn trees() -> Vec<(&'static str, Tree<f32>)> {
         ("bumped layers", bumped),
         ("tinted layers", Tree::Scale { factor: [0.7; 3], base: Box::new(tinted) }),
     ]
+}
+
+/// A measurement of both sides, and a picture.
+fn tables() -> Tables {
+    let side = |theta: usize, phi: usize| MeasuredSide {
+        theta,
+        phi,
+        values: (0..theta * theta * phi)
+            .map(|i| [0, 1, 2].map(|c| (i * (7 + c) % 23) as f32 * 0.02))
+            .collect(),
+    };
+    let measurement = Measurement { reflection: Some(side(7, 9)), transmission: Some(side(4, 5)) };
+    let picture = picture_table(5, 3, |x, y| [0.1 + 0.2 * x as f32, 0.9 - 0.3 * y as f32, 0.5]);
+    Tables::new(vec![
+        Some(Arc::new(measurement.table().expect("a small table"))),
+        Some(Arc::new(picture.expect("a small table"))),
+    ])
 }
 
 /// A fixed sequence of pairs of directions; `wo` lies above the surface.
@@ -157,7 +183,7 @@ type Rows = Vec<[f64; LEAVES]>;
 
 fn native(function: &str, tree: &Tree<f32>) -> Rows {
     let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
-    let mut program = program.to_program();
+    let mut program = program.with_tables(&tables());
     let row = |(wo, wi): &([f32; 3], [f32; 3])| {
         let [wo, wi] = [wo, wi].map(|w| vec3f(w[0], w[1], w[2]));
         let row = if function == SAMPLE {
@@ -216,7 +242,10 @@ fn run(code: &Code, executor: Executor<'_>, function: &str, tree: &Tree<f32>) ->
     if function == SAMPLE {
         outputs.push(Output::U32(&mut event));
     }
-    let mut batch = Batch { len: PAIRS, args, outputs, ..Batch::default() };
+    let words = tables().words().expect("small tables");
+    let global = code.global("table_words");
+    let buffers = global.map(|global| Buffer { global, words: &words }).into_iter().collect();
+    let mut batch = Batch { len: PAIRS, args, outputs, buffers, ..Batch::default() };
     let handle = code.function(function).expect("the library has an evaluator");
     let signature = Signature { args: modes };
     executor
@@ -255,7 +284,7 @@ fn check(name: &str, a: &Rows, b: &Rows, tolerance: f64) -> Result<(), String> {
 }
 
 fn library() -> Code {
-    Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"))
+    Code::from_wgsl(&layered_bsdf::wgsl::source_with_tables()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The part of the library that `tree` needs.

@@ -739,6 +739,11 @@ fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
     let d = sample_concentric_disc(u);
     return vec3f(d.x, d.y, sqrt(max((1.0 - ((d.x * d.x) + (d.y * d.y))), 0.0)));
 }
+
+fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
+    let rest = select(((u - prob) / (1.0 - prob)), (u / prob), chosen);
+    return clamp(rest, 0.0, 0.99999994);
+}
 const MICROFLAKE_MIN: f32 = 0.01;
 const FRAC_1_SQRT_TWO_PI: f32 = 0.39894228;
 
@@ -1110,6 +1115,18 @@ fn facets_sample(facets: u32, alpha: vec2f, u: vec2f) -> vec3f {
     let s = math_exp(log);
     return vec3f((s * sc.y), (s * sc.x), sqrt(max(((-2.0 * s) * math_sinh(log)), 0.0)));
 }
+struct Program {
+    count: u32,
+    nodes: array<vec4u, 64>
+}
+
+fn table_record_at(table: u32, index: u32) -> vec4f {
+    return vec4f(0.0, 0.0, 0.0, 0.0);
+}
+
+fn table_record(program: ptr<function, Program>, table: u32, index: u32) -> vec4f {
+    return table_record_at(table, index);
+}
 const MAX_NODES: u32 = 64u;
 const MAX_PARAMS: u32 = 384u;
 const MAX_STACK: u32 = 6u;
@@ -1128,12 +1145,14 @@ const OP_BACKSCATTERING: u32 = 10u;
 const OP_SHEEN: u32 = 11u;
 const OP_DUSTY_DIFFUSE: u32 = 12u;
 const OP_MICROFLAKE: u32 = 13u;
+const OP_MEASURED_BSDF: u32 = 15u;
 const OP_TINT: u32 = 16u;
 const OP_SCALE: u32 = 17u;
 const OP_DIRECTIONAL_FACTOR: u32 = 18u;
 const OP_FRESNEL_FACTOR: u32 = 19u;
 const OP_MEASURED_FACTOR: u32 = 20u;
 const OP_COAT_ABSORPTION: u32 = 21u;
+const OP_MEASURED_PICTURE: u32 = 24u;
 const OP_WEIGHTED_LAYER: u32 = 32u;
 const OP_FRESNEL_LAYER: u32 = 33u;
 const OP_COLOR_FRESNEL_LAYER: u32 = 34u;
@@ -1156,6 +1175,7 @@ const SLOT_GLOSSY_ALPHA: u32 = 3u;
 const SLOT_GLOSSY_TANGENT: u32 = 5u;
 const SLOT_GLOSSY_MULTIPLE: u32 = 5u;
 const SLOT_GLOSSY_MULTIPLE_TURNED: u32 = 8u;
+const SLOT_MEASURED_TABLE: u32 = 3u;
 const SLOT_TINT_TRANSMISSION: u32 = 3u;
 const SLOT_FACTOR_GRAZING: u32 = 3u;
 const SLOT_FACTOR_EXTINCTION: u32 = 3u;
@@ -1170,11 +1190,6 @@ const SLOT_LAYER_CURVE: u32 = 5u;
 
 struct Params {
     v: array<f32, 384>
-}
-
-struct Program {
-    count: u32,
-    nodes: array<vec4u, 64>
 }
 
 fn param(p: ptr<function, Params>, slot: u32) -> f32 {
@@ -2088,6 +2103,314 @@ fn dust_albedo(k: f32, mu: f32) -> f32 {
 fn dusty_diffuse_albedo(k: vec3f, mu: f32) -> vec3f {
     return vec3f(dust_albedo(k.x, mu), dust_albedo(k.y, mu), dust_albedo(k.z, mu));
 }
+const MEASURED_REFLECTION: u32 = 0u;
+const MEASURED_TRANSMISSION: u32 = 1u;
+const MEASURED_STEPS: f32 = 16777216.0;
+
+struct Measured {
+    table: u32,
+    first: u32,
+    theta: u32,
+    phi: u32,
+    below: u32,
+    above: u32,
+    between: f32,
+    axis: vec2f,
+    albedo: vec3f,
+    even: f32
+}
+
+struct MeasuredValue {
+    f: vec3f,
+    density: f32
+}
+
+struct MeasuredCell {
+    i0: u32,
+    i1: u32,
+    k0: u32,
+    k1: u32
+}
+
+fn measured_scale(program: ptr<function, Program>, table: u32, mode: u32, multiplier: f32) -> f32 {
+    let most = table_record(program, table, 0u);
+    let bound = select(select(most.z, most.y, (mode == MODE_TRANSMIT)), most.x, (mode == MODE_REFLECT));
+    if (bound <= 0.0) {
+        return 0.0;
+    }
+    return min(nonnegative(multiplier), (1.0 / bound));
+}
+
+fn measured_angle(w: vec3f, theta: u32) -> f32 {
+    return ((math_atan2(sqrt(((w.x * w.x) + (w.y * w.y))), abs(w.z)) * (2.0 * FRAC_1_PI)) * f32(theta));
+}
+
+fn measured_new(program: ptr<function, Program>, table: u32, side: u32, wo: vec3f) -> Measured {
+    let part = table_record(program, table, (1u + side));
+    let theta = u32(part.y);
+    let axis = normalize_or(vec3f(wo.x, wo.y, 0.0), vec3f(1.0, 0.0, 0.0));
+    var m: Measured = Measured(table, u32(part.x), theta, u32(part.z), 0u, 0u, 0.0, axis.xy, splat3(0.0), 1.0);
+    if (theta == 0) {
+        return m;
+    }
+    let x = clamp((measured_angle(wo, theta) - 0.5), 0.0, f32((theta - 1)));
+    m.below = min(u32(x), (theta - 1u));
+    m.above = min((m.below + 1u), (theta - 1u));
+    m.between = (x - f32(m.below));
+    let a = table_record(program, table, measured_bucket(m, m.below));
+    let b = table_record(program, table, measured_bucket(m, m.above));
+    let mixed = ((a * (1.0 - m.between)) + (b * m.between));
+    m.albedo = mixed.xyz;
+    m.even = mixed.w;
+    return m;
+}
+
+fn measured_bucket(m: Measured, o: u32) -> u32 {
+    return (((m.first + m.theta) + 1u) + o);
+}
+
+fn measured_texel(m: Measured, o: u32, i: u32, k: u32) -> u32 {
+    return ((((m.first + (2u * m.theta)) + 1u) + (((o * m.theta) + i) * m.phi)) + k);
+}
+
+fn measured_alias(m: Measured, o: u32, cell: u32) -> u32 {
+    let cells = ((m.theta + 1u) * (m.phi + 1u));
+    return (((((m.first + (2u * m.theta)) + 1u) + ((m.theta * m.theta) * m.phi)) + (o * ((cells + 1u) / 2u))) + (cell / 2u));
+}
+
+fn measured_cell(m: Measured, row: u32, column: u32) -> MeasuredCell {
+    return MeasuredCell((max(row, 1u) - 1u), min(row, (m.theta - 1u)), (max(column, 1u) - 1u), min(column, (m.phi - 1u)));
+}
+
+fn measured_eval(program: ptr<function, Program>, m: Measured, wi: vec3f) -> MeasuredValue {
+    let x = (measured_angle(wi, m.theta) + 0.5);
+    let row = min(u32(x), m.theta);
+    let bounds = table_record(program, m.table, (m.first + row));
+    let by_angle = unit((x - f32(row)));
+    let by_square = unit(((((wi.x * wi.x) + (wi.y * wi.y)) - bounds.x) * bounds.z));
+    let along = ((m.axis.x * wi.x) + (m.axis.y * wi.y));
+    let across = abs(((m.axis.x * wi.y) - (m.axis.y * wi.x)));
+    let y = ((math_atan2(across, along) * (FRAC_1_PI * f32(m.phi))) + 0.5);
+    let column = min(u32(y), m.phi);
+    let by_turn = unit((y - f32(column)));
+    let cell = measured_cell(m, row, column);
+    let a = measured_pair(program, m, cell.i0, cell.k0, cell.k1, by_turn);
+    let b = measured_pair(program, m, cell.i1, cell.k0, cell.k1, by_turn);
+    let f = ((a.xyz * (1.0 - by_angle)) + (b.xyz * by_angle));
+    let peaked = ((a.w * (1.0 - by_square)) + (b.w * by_square));
+    return MeasuredValue(f, ((m.even * FRAC_1_PI) + peaked));
+}
+
+fn measured_pair(
+    program: ptr<function, Program>,
+    m: Measured,
+    i: u32,
+    k0: u32,
+    k1: u32,
+    t: f32,
+) -> vec4f {
+    let a = table_record(program, m.table, measured_texel(m, m.below, i, k0));
+    let b = table_record(program, m.table, measured_texel(m, m.below, i, k1));
+    let c = table_record(program, m.table, measured_texel(m, m.above, i, k0));
+    let d = table_record(program, m.table, measured_texel(m, m.above, i, k1));
+    return ((((a * (1.0 - t)) + (b * t)) * (1.0 - m.between)) + (((c * (1.0 - t)) + (d * t)) * m.between));
+}
+
+fn measured_column(x: u32, n: u32) -> u32 {
+    return ((((x >> 12u) * n) + (((x & 4095u) * n) >> 12u)) >> 12u);
+}
+
+fn measured_rest(x: u32, n: u32) -> f32 {
+    return ((f32(((x * n) & 16777215u)) + 0.5) * (1.0 / MEASURED_STEPS));
+}
+
+fn measured_integer(u: f32) -> u32 {
+    return min(u32((u * MEASURED_STEPS)), 16777215u);
+}
+
+fn measured_slope(u: f32, a: f32, b: f32) -> f32 {
+    let root = (a + sqrt((((a * a) * (1.0 - u)) + ((b * b) * u))));
+    if (root <= 0.0) {
+        return u;
+    }
+    return min(((u * (a + b)) / root), 1.0);
+}
+
+fn measured_sample(program: ptr<function, Program>, m: Measured, u: vec3f) -> vec3f {
+    var uz: f32 = u.z;
+    let upper = (uz < m.between);
+    uz = reuse_random(uz, m.between, upper);
+    let o = select(m.below, m.above, upper);
+    let bucket = table_record(program, m.table, measured_bucket(m, o));
+    let even = (uz < bucket.w);
+    uz = reuse_random(uz, bucket.w, even);
+    if even {
+        return sample_cosine_hemisphere(u.xy);
+    }
+    return measured_sample_peak(program, m, o, vec3f(u.x, u.y, uz));
+}
+
+fn measured_sample_peak(program: ptr<function, Program>, m: Measured, o: u32, u: vec3f) -> vec3f {
+    let columns = (m.phi + 1u);
+    let x = measured_integer(u.x);
+    let whole = measured_integer(u.y);
+    let y = ((whole << 1u) & 16777215u);
+    let chosen = ((measured_column(x, (m.theta + 1u)) * columns) + measured_column(y, columns));
+    let pair = table_record(program, m.table, measured_alias(m, o, chosen));
+    let odd = ((chosen & 1u) != 0u);
+    let keep = (u.z < select(pair.x, pair.z, odd));
+    let other = u32(select(pair.y, pair.w, odd));
+    let index = select(other, chosen, keep);
+    let row = (index / columns);
+    let column = (index - (row * columns));
+    let cell = measured_cell(m, row, column);
+    let a = table_record(program, m.table, measured_texel(m, o, cell.i0, cell.k0)).w;
+    let b = table_record(program, m.table, measured_texel(m, o, cell.i0, cell.k1)).w;
+    let c = table_record(program, m.table, measured_texel(m, o, cell.i1, cell.k0)).w;
+    let d = table_record(program, m.table, measured_texel(m, o, cell.i1, cell.k1)).w;
+    let s = measured_slope(measured_rest(x, (m.theta + 1u)), (a + b), (c + d));
+    let t = measured_slope(measured_rest(y, columns), ((a * (1.0 - s)) + (c * s)), ((b * (1.0 - s)) + (d * s)));
+    let bounds = table_record(program, m.table, (m.first + row));
+    let square = (bounds.x + (bounds.y * s));
+    let low = max((f32(column) - 0.5), 0.0);
+    let high = min((f32(column) + 0.5), f32(m.phi));
+    let turn = math_sincos(((low + ((high - low) * t)) * (PI / f32(m.phi))));
+    let along = (turn.y * sqrt(square));
+    let across = ((turn.x * sqrt(square)) * select(-1.0, 1.0, (whole >= 8388608u)));
+    return vec3f(((m.axis.x * along) - (m.axis.y * across)), ((m.axis.y * along) + (m.axis.x * across)), sqrt(max((1.0 - square), 0.0)));
+}
+
+fn measured_reflects(reflection: Measured, transmission: Measured, mode: u32) -> f32 {
+    let r = select(mean3(reflection.albedo), 0.0, (mode == MODE_TRANSMIT));
+    let t = select(mean3(transmission.albedo), 0.0, (mode == MODE_REFLECT));
+    if ((r + t) <= 0.0) {
+        return 1.0;
+    }
+    return (r / (r + t));
+}
+
+fn node_measured_eval(
+    program: ptr<function, Program>,
+    n: vec4u,
+    p: ptr<function, Params>,
+    wo: vec3f,
+    wi: vec3f,
+) -> MeasuredValue {
+    let nothing = MeasuredValue(splat3(0.0), 0.0);
+    let table = node_measured_table(n, p);
+    let side = select(MEASURED_REFLECTION, MEASURED_TRANSMISSION, (wi.z < 0.0));
+    let other = (MEASURED_TRANSMISSION - side);
+    if ((wo.z <= 0.0) || (n.w == select(MODE_REFLECT, MODE_TRANSMIT, (wi.z >= 0.0)))) {
+        return nothing;
+    }
+    let m = measured_new(program, table, side, wo);
+    if (m.theta == 0u) {
+        return nothing;
+    }
+    var share: f32 = 1.0;
+    if (n.w == MODE_REFLECT_TRANSMIT) {
+        let back = measured_new(program, table, other, wo);
+        let own = mean3(m.albedo);
+        let sum = (own + mean3(back.albedo));
+        share = select(select(0.0, 1.0, (side == MEASURED_REFLECTION)), (own / sum), (sum > 0.0));
+    }
+    let v = measured_eval(program, m, wi);
+    let scale = measured_scale(program, table, n.w, param(p, (n.y + SLOT_TINT)));
+    let cosine = abs(wi.z);
+    return MeasuredValue((v.f * (scale * cosine)), ((share * v.density) * cosine));
+}
+
+fn node_measured_sample(
+    program: ptr<function, Program>,
+    n: vec4u,
+    p: ptr<function, Params>,
+    wo: vec3f,
+    u: vec3f,
+) -> LobeSample {
+    let table = node_measured_table(n, p);
+    let reflection = measured_new(program, table, MEASURED_REFLECTION, wo);
+    let transmission = measured_new(program, table, MEASURED_TRANSMISSION, wo);
+    let prob = measured_reflects(reflection, transmission, n.w);
+    let reflects = (u.z < prob);
+    let uz = reuse_random(u.z, prob, reflects);
+    var m: Measured = reflection;
+    if !reflects {
+        m = transmission;
+    }
+    if ((m.theta == 0u) || (reflects && (n.w == MODE_TRANSMIT))) {
+        return lobe_absorb();
+    }
+    let w = measured_sample(program, m, vec3f(u.x, u.y, uz));
+    if (w.z <= 0.0) {
+        return lobe_absorb();
+    }
+    let side = select(EVENT_TRANSMISSION, EVENT_REFLECTION, reflects);
+    return LobeSample(vec3f(w.x, w.y, select(-w.z, w.z, reflects)), (EVENT_GLOSSY | side));
+}
+
+fn node_measured_albedo(program: ptr<function, Program>, n: vec4u, p: ptr<function, Params>, wo: vec3f) -> vec3f {
+    let table = node_measured_table(n, p);
+    var sum: vec3f = splat3(0.0);
+    if (n.w != MODE_TRANSMIT) {
+        sum += measured_new(program, table, MEASURED_REFLECTION, wo).albedo;
+    }
+    if (n.w != MODE_REFLECT) {
+        sum += measured_new(program, table, MEASURED_TRANSMISSION, wo).albedo;
+    }
+    return unit3((sum * measured_scale(program, table, n.w, param(p, (n.y + SLOT_TINT)))));
+}
+
+fn node_measured_table(n: vec4u, p: ptr<function, Params>) -> u32 {
+    return table_number(param(p, (n.y + SLOT_MEASURED_TABLE)));
+}
+
+fn table_number(x: f32) -> u32 {
+    if ((x >= 0.0) && (x < MEASURED_STEPS)) {
+        return u32(x);
+    }
+    return 4294967295u;
+}
+fn facet_cosine(no: f32, ni: f32, c: f32) -> f32 {
+    return unit(((0.5 * (abs(no) + abs(ni))) / max(c, 1e-20)));
+}
+
+fn picture_place(c: f32, count: u32) -> vec3f {
+    let x = clamp((((math_acos(unit(c)) * (2.0 * FRAC_1_PI)) * f32(count)) - 0.5), 0.0, f32((count - 1u)));
+    let first = floor(x);
+    return vec3f(first, min((first + 1.0), f32((count - 1u))), (x - first));
+}
+
+fn node_picture_factor(
+    program: ptr<function, Program>,
+    n: vec4u,
+    p: ptr<function, Params>,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+) -> vec3f {
+    let z = normal_at(p, normal);
+    let no = dot(z, wo);
+    let ni = dot(z, wi);
+    let difference = half_cosine(no, ni, dot(wo, wi));
+    let half = facet_cosine(no, ni, difference);
+    let table = table_number(param(p, n.y));
+    let size = table_record(program, table, 0u);
+    let columns = u32(size.x);
+    if (columns == 0) {
+        return splat3(0.0);
+    }
+    let x = picture_place(half, columns);
+    let y = picture_place(difference, u32(size.y));
+    let low = (1 + (u32(y.x) * columns));
+    let high = (1 + (u32(y.y) * columns));
+    let a = table_record(program, table, (low + u32(x.x))).xyz;
+    let b = table_record(program, table, (low + u32(x.y))).xyz;
+    let c = table_record(program, table, (high + u32(x.x))).xyz;
+    let d = table_record(program, table, (high + u32(x.y))).xyz;
+    let near = ((a * (1.0 - x.z)) + (b * x.z));
+    let far = ((c * (1.0 - x.z)) + (d * x.z));
+    return unit3(((near * (1.0 - y.z)) + (far * y.z)));
+}
 struct BsdfValue {
     diffuse: vec3f,
     glossy: vec3f,
@@ -2341,6 +2664,9 @@ fn bsdf_visit(
             stack[u32(depth)] = visit_later(n, layer, base);
             visit = visit_now(n, layer, base);
             depth += 1u;
+        } else if (op == OP_MEASURED_PICTURE) {
+            visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wi);
+            visit.node += 1u;
         } else if (op >= OP_TINT) {
             visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, transmits);
             visit.node += 1u;
@@ -2348,7 +2674,7 @@ fn bsdf_visit(
             if (visit.node == specular_node) {
                 result.specular = visit.weight;
             }
-            let leaf = leaf_eval(n, p, point, visit.normal, wo, wi, transmits);
+            let leaf = leaf_eval(program, n, p, point, visit.normal, wo, wi, transmits);
             result.diffuse += (visit.weight * leaf.diffuse);
             result.glossy += (visit.weight * leaf.glossy);
             result.pdf += (visit.prob * leaf.pdf);
@@ -2363,6 +2689,7 @@ fn bsdf_visit(
 }
 
 fn leaf_eval(
+    program: ptr<function, Program>,
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
@@ -2411,6 +2738,10 @@ fn leaf_eval(
         let v = ggx_eval(node_ggx(n, p, point), o, i);
         result.glossy = (tint * v.f);
         result.pdf = v.pdf;
+    } else if (op == OP_MEASURED_BSDF) {
+        let v = node_measured_eval(program, n, p, o, i);
+        result.glossy = v.f;
+        result.pdf = v.density;
     } else {
         result = node_glossy_eval(n, p, point, o, i);
     }
@@ -2418,6 +2749,7 @@ fn leaf_eval(
 }
 
 fn leaf_sample(
+    program: ptr<function, Program>,
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
@@ -2449,6 +2781,8 @@ fn leaf_sample(
         s = specular_sample(mean3(reflected), thin, point.eta, o, u.z);
     } else if ((op == OP_GGX_SMITH) && ((n.x & (FLAG_COLOR | FLAG_FILM)) == 0u)) {
         s = ggx_sample(node_ggx(n, p, point), o, u.xy, u.z);
+    } else if (op == OP_MEASURED_BSDF) {
+        s = node_measured_sample(program, n, p, o, u);
     } else if (op >= OP_GGX_SMITH) {
         s = node_glossy_sample(n, p, point, o, u);
     }
@@ -2524,7 +2858,7 @@ fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>,
             visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
             visit.node += 1u;
         } else {
-            let leaf = leaf_albedo(n, p, point, visit.normal, wo);
+            let leaf = leaf_albedo(program, n, p, point, visit.normal, wo);
             result.diffuse += (visit.weight * leaf.diffuse);
             result.glossy += (visit.weight * leaf.glossy);
             running = (depth > 0u);
@@ -2538,6 +2872,7 @@ fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>,
 }
 
 fn leaf_albedo(
+    program: ptr<function, Program>,
     n: vec4u,
     p: ptr<function, Params>,
     point: ShadingPoint,
@@ -2567,15 +2902,12 @@ fn leaf_albedo(
         result.glossy = (tint * microflake_albedo(param(p, (n.y + SLOT_GLOSSY_ALPHA)), unit(o.z)));
     } else if (op == OP_SPECULAR) {
         result.glossy = tint;
+    } else if (op == OP_MEASURED_BSDF) {
+        result.glossy = node_measured_albedo(program, n, p, o);
     } else {
         result.glossy = node_glossy_albedo(n, p, point, o);
     }
     return result;
-}
-
-fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
-    let rest = select(((u - prob) / (1.0 - prob)), (u / prob), chosen);
-    return clamp(rest, 0.0, 0.99999994);
 }
 
 fn bsdf_sample(
@@ -2611,7 +2943,7 @@ fn bsdf_sample(
         }
         n = bsdf_node(program, node);
     }
-    let s = leaf_sample(n, p, point, normal, wo, vec3f(u.x, u.y, uz));
+    let s = leaf_sample(program, n, p, point, normal, wo, vec3f(u.x, u.y, uz));
     let transmits = ((s.event & EVENT_TRANSMISSION) != 0u);
     let crosses = (dot(point.geometry_normal, s.wi) < 0.0);
     if ((s.event == EVENT_ABSORB) || (transmits != crosses)) {

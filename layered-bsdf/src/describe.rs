@@ -46,6 +46,7 @@ fn operation(op: u32) -> Operation {
         OP_SHEEN => ("sheen", &GLOSSY, &[]),
         OP_DUSTY_DIFFUSE => ("dusty diffuse reflection", &[("tint", 3)], &[]),
         OP_MICROFLAKE => ("microflake sheen", &[("tint", 3), ("roughness", 1)], &[]),
+        OP_MEASURED_BSDF => ("measured BSDF", &[("multiplier", 3), ("measurement", 1)], &[]),
         OP_TINT => ("tint", &[("tint", 3)], &[(FLAG_COLOR, "transmission tint")]),
         OP_SCALE => ("scale", &[("factor", 3)], &[]),
         OP_DIRECTIONAL_FACTOR => (
@@ -55,6 +56,7 @@ fn operation(op: u32) -> Operation {
         ),
         OP_FRESNEL_FACTOR => ("Fresnel factor", &[("ior", 3), ("extinction", 3)], &[]),
         OP_MEASURED_FACTOR => ("measured curve factor", &[], &[]),
+        OP_MEASURED_PICTURE => ("measured factor", &[("picture", 1)], &[]),
         OP_COAT_ABSORPTION => {
             ("coat absorption", &[("ior", 3), ("absorption coefficient", 3), ("thickness", 1)], &[])
         }
@@ -114,7 +116,7 @@ pub(crate) fn name(word: u32) -> &'static str {
 
 fn describe(index: usize, word: u32, slot: u32, second: u32, count_or_mode: u32) -> NodeText {
     let op = word & OP_MASK;
-    let has_mode = op == OP_SPECULAR || op >= OP_GGX_SMITH && op < OP_WARD;
+    let has_mode = op == OP_SPECULAR || op == OP_MEASURED_BSDF || op >= OP_GGX_SMITH && op < OP_WARD;
     let mode = match count_or_mode {
         _ if !has_mode => "",
         crate::lobes::MODE_REFLECT => ", reflecting",

@@ -14,6 +14,7 @@
 use wgsl_rs::wgsl;
 
 #[wgsl]
+#[allow(clippy::too_many_arguments, reason = "pointers of WGSL cannot be members of a struct")]
 pub mod code {
     //! Shared with the GPU.
     use crate::conserve::code::*;
@@ -28,10 +29,12 @@ pub mod code {
     use crate::lobes::dusty_diffuse::code::*;
     use crate::lobes::ggx::code::*;
     use crate::lobes::glossy::code::*;
+    use crate::lobes::measured::code::*;
     use crate::lobes::microflake::code::*;
     use crate::lobes::multiscatter::code::*;
     use crate::lobes::specular::code::*;
     use crate::nodes::code::*;
+    use crate::picture::code::*;
     use crate::sampling::code::*;
     use wgsl_rs::std::*;
 
@@ -371,6 +374,9 @@ pub mod code {
                 stack[depth as usize] = visit_later(n, layer, base);
                 visit = visit_now(n, layer, base);
                 depth += 1;
+            } else if op == OP_MEASURED_PICTURE {
+                visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wi);
+                visit.node += 1;
             } else if op >= OP_TINT {
                 visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, transmits);
                 visit.node += 1;
@@ -378,7 +384,7 @@ pub mod code {
                 if visit.node == specular_node {
                     result.specular = visit.weight;
                 }
-                let leaf = leaf_eval(n, p, point, visit.normal, wo, wi, transmits);
+                let leaf = leaf_eval(program, n, p, point, visit.normal, wo, wi, transmits);
                 result.diffuse += visit.weight * leaf.diffuse;
                 result.glossy += visit.weight * leaf.glossy;
                 result.pdf += visit.prob * leaf.pdf;
@@ -394,6 +400,7 @@ pub mod code {
 
     /// Value and density of the lobe at node `n`, tint included.
     pub fn leaf_eval(
+        program: ptr!(function, Program),
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
@@ -443,6 +450,10 @@ pub mod code {
             let v = ggx_eval(node_ggx(n, p, point), o, i);
             result.glossy = tint * v.f;
             result.pdf = v.pdf;
+        } else if op == OP_MEASURED_BSDF {
+            let v = node_measured_eval(program, n, p, o, i);
+            result.glossy = v.f;
+            result.pdf = v.density;
         } else {
             result = node_glossy_eval(n, p, point, o, i);
         }
@@ -451,6 +462,7 @@ pub mod code {
 
     /// A direction from the lobe at node `n`.
     pub fn leaf_sample(
+        program: ptr!(function, Program),
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
@@ -483,6 +495,8 @@ pub mod code {
             s = specular_sample(mean3(reflected), thin, point.eta, o, u.z);
         } else if op == OP_GGX_SMITH && (n.x & (FLAG_COLOR | FLAG_FILM)) == 0 {
             s = ggx_sample(node_ggx(n, p, point), o, u.xy(), u.z);
+        } else if op == OP_MEASURED_BSDF {
+            s = node_measured_sample(program, n, p, o, u);
         } else if op >= OP_GGX_SMITH {
             s = node_glossy_sample(n, p, point, o, u);
         }
@@ -595,7 +609,7 @@ pub mod code {
                 visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
                 visit.node += 1;
             } else {
-                let leaf = leaf_albedo(n, p, point, visit.normal, wo);
+                let leaf = leaf_albedo(program, n, p, point, visit.normal, wo);
                 result.diffuse += visit.weight * leaf.diffuse;
                 result.glossy += visit.weight * leaf.glossy;
                 running = depth > 0;
@@ -610,6 +624,7 @@ pub mod code {
 
     /// Albedo of the lobe at node `n`, tint included.
     pub fn leaf_albedo(
+        program: ptr!(function, Program),
         n: Vec4u,
         p: ptr!(function, Params),
         point: ShadingPoint,
@@ -639,16 +654,12 @@ pub mod code {
             result.glossy = tint * microflake_albedo(param(p, n.y + SLOT_GLOSSY_ALPHA), unit(o.z));
         } else if op == OP_SPECULAR {
             result.glossy = tint;
+        } else if op == OP_MEASURED_BSDF {
+            result.glossy = node_measured_albedo(program, n, p, o);
         } else {
             result.glossy = node_glossy_albedo(n, p, point, o);
         }
         result
-    }
-
-    /// `u` after a choice with probability `prob` used part of it: uniform again, and below 1.
-    pub fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
-        let rest = select((u - prob) / (1.0 - prob), u / prob, chosen);
-        clamp(rest, 0.0, 0.99999994)
     }
 
     /// A direction from the whole tree: `u.xy` place it, `u.z` chooses the lobe and what a lobe chooses.
@@ -686,7 +697,7 @@ pub mod code {
             }
             n = bsdf_node(program, node);
         }
-        let s = leaf_sample(n, p, point, normal, wo, vec3f(u.x, u.y, uz));
+        let s = leaf_sample(program, n, p, point, normal, wo, vec3f(u.x, u.y, uz));
         let transmits = (s.event & EVENT_TRANSMISSION) != 0;
         let crosses = dot(point.geometry_normal, s.wi) < 0.0;
         if s.event == EVENT_ABSORB || transmits != crosses {

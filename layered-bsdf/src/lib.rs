@@ -26,6 +26,7 @@
 //! ```
 #![allow(
     clippy::approx_constant,
+    clippy::manual_div_ceil,
     clippy::manual_range_contains,
     clippy::neg_cmp_op_on_partial_ord,
     reason = "WGSL has no constants of a standard library, no ranges and no partial order"
@@ -34,6 +35,7 @@
     missing_docs,
     reason = "the macro that prints WGSL adds a static without documentation to each module"
 )]
+pub mod alias;
 pub mod conserve;
 pub mod curves;
 pub mod describe;
@@ -45,8 +47,10 @@ pub mod frame;
 pub mod fresnel;
 pub mod lobes;
 pub mod math;
+pub mod measured;
 pub mod nodes;
 pub mod options;
+pub mod picture;
 pub mod prelude;
 pub mod prepare;
 pub mod program;
@@ -54,5 +58,6 @@ pub mod reach;
 pub mod sampling;
 pub mod sanity;
 pub mod spot;
+pub mod tables;
 pub mod walk;
 pub mod wgsl;

@@ -18,6 +18,7 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod code {
     //! Shared with the GPU.
+    pub use crate::tables::code::*;
     use wgsl_rs::std::*;
 
     /// Most nodes of a program.
@@ -58,6 +59,8 @@ pub mod code {
     pub const OP_DUSTY_DIFFUSE: u32 = 12;
     /// Sheen of microflakes: tint, roughness.
     pub const OP_MICROFLAKE: u32 = 13;
+    /// Measured scattering: multiplier (three times), number of the table.
+    pub const OP_MEASURED_BSDF: u32 = 15;
     /// Tint of one child: colour, [colour for transmission].
     pub const OP_TINT: u32 = 16;
     /// Uniform scale of one child, not limited to 1: factor as colour.
@@ -70,6 +73,8 @@ pub mod code {
     pub const OP_MEASURED_FACTOR: u32 = 20;
     /// Absorption of a coat: index of refraction (three), absorption coefficient (three), thickness.
     pub const OP_COAT_ABSORPTION: u32 = 21;
+    /// Tint by a measured picture over the angles to the half vector: number of the table.
+    pub const OP_MEASURED_PICTURE: u32 = 24;
     /// Layer by weight: importances, weight, normal if flagged.
     pub const OP_WEIGHTED_LAYER: u32 = 32;
     /// Layer by Fresnel's equations: importances, weight, index of refraction (one), normal if flagged.
@@ -118,6 +123,8 @@ pub mod code {
     pub const SLOT_GLOSSY_MULTIPLE: u32 = 5;
     /// The same of one with a tangent.
     pub const SLOT_GLOSSY_MULTIPLE_TURNED: u32 = 8;
+    /// Slot of the table of a measured lobe.
+    pub const SLOT_MEASURED_TABLE: u32 = 3;
     /// Slot of the second colour of a tint.
     pub const SLOT_TINT_TRANSMISSION: u32 = 3;
     /// Slot of the tint at grazing incidence.
@@ -146,15 +153,6 @@ pub mod code {
     pub struct Params {
         /// By slot.
         pub v: [f32; 384],
-    }
-
-    /// A program: `count` nodes in preorder.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Program {
-        /// Number of nodes, at least 1.
-        pub count: u32,
-        /// The nodes.
-        pub nodes: [Vec4u; 64],
     }
 
     /// The parameter in a slot.

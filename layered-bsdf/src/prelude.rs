@@ -10,4 +10,5 @@ pub use crate::lobes::{
 pub use crate::nodes::{MAX_NODES, MAX_PARAMS, Params, Program};
 pub use crate::options::BsdfOptions;
 pub use crate::program::{Curve, GlossyModel, LayerProgram, ProgramError, ScatterMode, Slot, Tree};
+pub use crate::tables::{Table, Tables};
 pub use wgsl_rs::std::{Vec2f, Vec3f, vec2f, vec3f};

@@ -10,7 +10,7 @@ const SAMPLES: u32 = 4096;
 
 impl LayerProgram {
     /// Fills the tables of layers that conserve energy, after [`LayerProgram::prepare`], for light from the
-    /// medium in front of `point`. Layers with a slot that `varying` names keep MDL's weights.
+    /// medium in front of `point`. Layers with a slot that `varying` names, or with measured tables, keep MDL's weights.
     pub fn conserve(&self, params: &mut Params, point: ShadingPoint, varying: impl Fn(usize) -> bool) {
         for index in (0..self.nodes().len()).rev() {
             let n = self.nodes()[index];
@@ -20,12 +20,17 @@ impl LayerProgram {
             }
             let table = conserve_slot(n) as usize;
             let (layer, slots) = self.lone_layer(index);
-            if slots.into_iter().any(&varying) {
+            let tables =
+                layer.iter().any(|n| matches!(n.x & OP_MASK, OP_MEASURED_BSDF | OP_MEASURED_PICTURE));
+            if tables || slots.into_iter().any(&varying) {
                 params.v[table] = -1.0;
                 continue;
             }
-            let mut program =
-                Program { count: layer.len() as u32, nodes: [vec4u(0, 0, 0, 0); MAX_NODES as usize] };
+            let mut program = Program {
+                count: layer.len() as u32,
+                nodes: [vec4u(0, 0, 0, 0); MAX_NODES as usize],
+                tables: Tables::default(),
+            };
             program.nodes[..layer.len()].copy_from_slice(&layer);
             let mut alone = *params;
             alone.v[(n.y + SLOT_LAYER_IMPORTANCE) as usize + 1] = 0.0;

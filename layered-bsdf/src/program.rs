@@ -8,6 +8,7 @@ use crate::conserve::CONSERVE_ENTRIES;
 use crate::curves::{ShadingPoint, shading_point};
 use crate::nodes::*;
 use crate::options::BsdfOptions;
+use crate::tables::Tables;
 use wgsl_rs::std::{Vec4u, vec3f, vec4u};
 
 /// How a lobe scatters (MDL `df::scatter_mode`).
@@ -117,6 +118,15 @@ pub enum Tree<P> {
         /// 0 (light along the horizon) to 1.
         roughness: P,
     },
+    /// `df::measured_bsdf`
+    MeasuredBsdf {
+        /// Number of the table that [`crate::measured::Measurement::table`] makes.
+        measurement: P,
+        /// Factor, limited by the greatest albedo of the measurement so that no energy is gained.
+        multiplier: P,
+        /// Which of the measured sides scatter.
+        mode: ScatterMode,
+    },
     /// `df::tint`
     Tint {
         /// Factor; of reflection alone if `transmission` is given.
@@ -159,6 +169,13 @@ pub enum Tree<P> {
     MeasuredFactor {
         /// Factors at equal angles from 0 to π/2; none: black.
         curve: Vec<[P; 3]>,
+        /// What is tinted.
+        base: Box<Tree<P>>,
+    },
+    /// `df::measured_factor`
+    MeasuredPicture {
+        /// Number of the table that [`crate::picture::picture_table`] makes.
+        picture: P,
         /// What is tinted.
         base: Box<Tree<P>>,
     },
@@ -332,12 +349,26 @@ impl LayerProgram {
         &self.nodes
     }
 
-    /// The form that the evaluator takes.
+    /// The form that the evaluator takes, of a program that refers to no table.
     pub fn to_program(&self) -> Program {
-        let mut program =
-            Program { count: self.nodes.len() as u32, nodes: [vec4u(0, 0, 0, 0); MAX_NODES as usize] };
+        self.with_tables(&Tables::default())
+    }
+
+    /// The form that the evaluator takes, with the tables that the program refers to.
+    pub fn with_tables(&self, tables: &Tables) -> Program {
+        let mut program = Program {
+            count: self.nodes.len() as u32,
+            nodes: [vec4u(0, 0, 0, 0); MAX_NODES as usize],
+            tables: tables.clone(),
+        };
         program.nodes[..self.nodes.len()].copy_from_slice(&self.nodes);
         program
+    }
+
+    /// Slots that hold the number of a table: of measurements, or of pictures.
+    pub fn table_slots(&self, op: u32) -> impl Iterator<Item = usize> + '_ {
+        let offset = if op == OP_MEASURED_BSDF { SLOT_MEASURED_TABLE } else { 0 };
+        self.nodes.iter().filter(move |n| n.x & OP_MASK == op).map(move |n| (n.y + offset) as usize)
     }
 
     /// Whether nothing is ever scattered or emitted.
@@ -427,7 +458,7 @@ impl LayerProgram {
                 let colors = (0..n.w).map(|i| brightest(n.y + 3 * i));
                 colors.fold(0.0, f32::max) * importance[index + 1]
             }
-            OP_FRESNEL_FACTOR | OP_COAT_ABSORPTION => importance[index + 1],
+            OP_FRESNEL_FACTOR | OP_COAT_ABSORPTION | OP_MEASURED_PICTURE => importance[index + 1],
             OP_TINT | OP_SCALE => brightest(n.y + SLOT_TINT) * importance[index + 1],
             OP_DIFFUSE_REFLECTION | OP_DIFFUSE_TRANSMISSION | OP_DUSTY_DIFFUSE => {
                 DIFFUSE_SHARE * brightest(n.y + SLOT_TINT)
@@ -501,6 +532,10 @@ impl<P: Copy> Layout<P> {
                 self.node(OP_MICROFLAKE, crate::lobes::MODE_REFLECT)?;
                 self.values(&[tint, &[*roughness]])
             }
+            Tree::MeasuredBsdf { measurement, multiplier, mode } => {
+                self.node(OP_MEASURED_BSDF, mode_word(*mode))?;
+                self.values(&[&[*multiplier; 3], &[*measurement]])
+            }
             Tree::SpotEdf { exponent, spread, axis } => {
                 self.node(OP_SPOT_EDF | flag(axis, FLAG_VECTOR), 0)?;
                 self.values(&[&[*exponent, *spread], optional(axis)])
@@ -541,6 +576,11 @@ impl<P: Copy> Layout<P> {
             Tree::MeasuredFactor { curve, base } => {
                 self.node(OP_MEASURED_FACTOR, curve.len() as u32)?;
                 self.values(&[curve.as_flattened()])?;
+                self.push(base, film)
+            }
+            Tree::MeasuredPicture { picture, base } => {
+                self.node(OP_MEASURED_PICTURE, 0)?;
+                self.values(&[&[*picture]])?;
                 self.push(base, film)
             }
             Tree::CoatAbsorption { ior, coefficient, thickness, base } => {
@@ -667,6 +707,7 @@ impl<P> Tree<P> {
             | Tree::DirectionalFactor { base, .. }
             | Tree::FresnelFactor { base, .. }
             | Tree::MeasuredFactor { base, .. }
+            | Tree::MeasuredPicture { base, .. }
             | Tree::CoatAbsorption { base, .. }
             | Tree::ThinFilm { base, .. } => base.stack_need(),
             Tree::Layer { layer, base, .. } => {

@@ -30,5 +30,11 @@ pub mod code {
         let d = sample_concentric_disc(u);
         vec3f(d.x, d.y, sqrt(max(1.0 - (d.x * d.x + d.y * d.y), 0.0)))
     }
+
+    /// `u` after a choice with probability `prob` used part of it: uniform again, and below 1.
+    pub fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
+        let rest = select((u - prob) / (1.0 - prob), u / prob, chosen);
+        clamp(rest, 0.0, 0.99999994)
+    }
 }
 pub use code::*;

@@ -24,7 +24,7 @@ enum Range {
 /// The range of a parameter, by its name in [`crate::describe`].
 fn range(name: &str) -> Range {
     match name {
-        "importance" => Range::Derived,
+        "importance" | "measurement" | "picture" => Range::Derived,
         "ior" | "film ior" => Range::Positive,
         "tangent" | "normal" | "axis" => Range::Direction,
         "factor"

@@ -366,7 +366,7 @@ mod tests {
             tint: [1.0f32; 3],
             roughness_u: alpha as f32,
             roughness_v: alpha as f32,
-            mode: crate::program::ScatterMode::Reflect,
+            mode: ScatterMode::Reflect,
             tangent: None,
         };
         let options = BsdfOptions { correlated_masking: true, ..BsdfOptions::default() };

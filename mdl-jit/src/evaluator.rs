@@ -11,7 +11,10 @@ use std::sync::OnceLock;
 
 fn library() -> Result<&'static Program, CompileError> {
     static LIBRARY: OnceLock<Result<Program, CompileError>> = OnceLock::new();
-    LIBRARY.get_or_init(|| Program::from_wgsl(&layered_bsdf::wgsl::source())).as_ref().map_err(Clone::clone)
+    LIBRARY
+        .get_or_init(|| Program::from_wgsl(&layered_bsdf::wgsl::source_with_tables()))
+        .as_ref()
+        .map_err(Clone::clone)
 }
 
 /// The functions of the library called `names`, with what they call when they evaluate `layers`.

@@ -205,6 +205,8 @@ pub struct Material {
     pub surface: Face,
     /// The back of a thin-walled surface where it differs from the front.
     pub backface: Option<Face>,
+    /// Measured data by the number of a resource, to be loaded: see [`Material::table_numbers`].
+    pub tables: Tables,
     /// By part, in the order of [`Part::ALL`].
     pub inputs: [Inputs; 7],
 }
@@ -221,6 +223,21 @@ impl Material {
             Some(face) if back => (face, Part::Backface, Part::BackfaceEmission),
             _ => (&self.surface, Part::Surface, Part::SurfaceEmission),
         }
+    }
+
+    /// The resources that programs read as tables of a kind: by `OP_MEASURED_BSDF` measurements, by
+    /// `OP_MEASURED_PICTURE` pictures.
+    pub fn table_numbers(&self, op: u32) -> Vec<usize> {
+        let mut numbers = Vec::new();
+        for back in [false, true] {
+            let (face, part, _) = self.face(back);
+            let uniform = &self.inputs(part).uniform;
+            let used = face.bsdf.table_slots(op).map(|slot| uniform[PROGRAM_OFFSET + slot]);
+            numbers.extend(used.filter(|&x| x >= 0.0).map(|x| x as usize));
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
     }
 
     /// Whether some of the surface may be cut out.
@@ -296,6 +313,7 @@ impl ConstantMaterial {
             thin_walled: self.thin_walled,
             surface: Face { bsdf, emission },
             backface: None,
+            tables: Tables::default(),
             inputs: [
                 Inputs::constant([self.cutout_opacity]),
                 Inputs::constant([]),

@@ -2,6 +2,7 @@
 
 use super::{Assignment, Beyond, Fail, SearchPaths, Target, open_material};
 use lacquer::{Material, Scene};
+use layered_bsdf::measured::Measurement;
 use mdl_frontend::graph::{NodeKind, Stage};
 use mdl_frontend::layout::ArgumentBlock;
 use mdl_jit::material::Part;
@@ -28,6 +29,9 @@ pub fn run(args: &Args) -> Result<(), Fail> {
     let material = open_material(&session, &args.target, &args.arguments)?;
     let mut text = String::new();
     describe(&material, &mut text).expect("writing to a string succeeds");
+    for (file, measurement) in material.measurements()? {
+        describe_measurement(&file, &measurement, &mut text).expect("writing to a string succeeds");
+    }
     let mut scene = Scene::ball();
     scene.assign("material", &material)?;
     needs(&scene.needs()?, &mut text).expect("writing to a string succeeds");
@@ -77,6 +81,28 @@ fn describe(material: &Material, out: &mut String) -> std::fmt::Result {
             writeln!(out, "\n{name} emission program")?;
             program(&emission.edf, out)?;
         }
+    }
+    Ok(())
+}
+
+/// What a file of measured scattering holds, and how far it is from what scattering can be.
+fn describe_measurement(file: &str, measurement: &Measurement, out: &mut String) -> std::fmt::Result {
+    writeln!(out, "\nmeasurement `{file}`")?;
+    for (name, side) in [("reflection", &measurement.reflection), ("transmission", &measurement.transmission)]
+    {
+        let Some(side) = side else { continue };
+        let (theta, phi) = (side.theta, side.phi);
+        let most = side.albedos().into_iter().flatten().fold(0.0, f64::max);
+        writeln!(
+            out,
+            "  {name:<13} {theta} × {theta} angles to the normal, {phi} azimuths; albedo to {most:.3}"
+        )?;
+        let (reciprocity, negative) = (100.0 * side.reciprocity_error(), 100.0 * side.negative_share());
+        writeln!(
+            out,
+            "  {:<13} differs by {reciprocity:.1} % with directions exchanged; {negative:.1} % below 0",
+            ""
+        )?;
     }
     Ok(())
 }

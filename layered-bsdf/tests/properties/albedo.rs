@@ -27,6 +27,7 @@ fn bound(case: &Case) -> f64 {
         | Tree::DirectionalFactor { .. }
         | Tree::FresnelFactor { .. }
         | Tree::MeasuredFactor { .. }
+        | Tree::MeasuredPicture { .. }
         | Tree::CoatAbsorption { .. }
         | Tree::Tint { .. } => 0.05,
         _ => 2e-4,

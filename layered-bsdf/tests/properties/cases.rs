@@ -42,7 +42,7 @@ impl Case {
     pub fn setup(&self) -> Setup {
         let (program, params) = LayerProgram::with_values_and_options(&self.tree, self.options, self.point)
             .expect("the list holds small trees");
-        Setup { program: program.to_program(), params, point: self.point }
+        Setup { program: program.with_tables(crate::measured::tables()), params, point: self.point }
     }
 
     /// Bins that are narrow where the lobes seen from `wo` may have peaks.
@@ -109,18 +109,20 @@ enum Kind {
     Sheen,
     DustyDiffuse,
     MicroflakeSheen,
+    MeasuredBsdf,
     Tint,
     Scale,
     DirectionalFactor,
     FresnelFactor,
     MeasuredFactor,
+    MeasuredPicture,
     CoatAbsorption,
     ThinFilm,
     Layer,
     Emission,
 }
 
-const KINDS: [Kind; 18] = [
+const KINDS: [Kind; 20] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
@@ -130,11 +132,13 @@ const KINDS: [Kind; 18] = [
     Kind::Sheen,
     Kind::DustyDiffuse,
     Kind::MicroflakeSheen,
+    Kind::MeasuredBsdf,
     Kind::Tint,
     Kind::Scale,
     Kind::DirectionalFactor,
     Kind::FresnelFactor,
     Kind::MeasuredFactor,
+    Kind::MeasuredPicture,
     Kind::CoatAbsorption,
     Kind::ThinFilm,
     Kind::Layer,
@@ -152,11 +156,13 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::Sheen { .. } => Kind::Sheen,
         Tree::DustyDiffuse { .. } => Kind::DustyDiffuse,
         Tree::MicroflakeSheen { .. } => Kind::MicroflakeSheen,
+        Tree::MeasuredBsdf { .. } => Kind::MeasuredBsdf,
         Tree::Tint { .. } => Kind::Tint,
         Tree::Scale { .. } => Kind::Scale,
         Tree::DirectionalFactor { .. } => Kind::DirectionalFactor,
         Tree::FresnelFactor { .. } => Kind::FresnelFactor,
         Tree::MeasuredFactor { .. } => Kind::MeasuredFactor,
+        Tree::MeasuredPicture { .. } => Kind::MeasuredPicture,
         Tree::CoatAbsorption { .. } => Kind::CoatAbsorption,
         Tree::ThinFilm { .. } => Kind::ThinFilm,
         Tree::Layer { .. } => Kind::Layer,
@@ -245,6 +251,8 @@ impl Kind {
                     }
                 }
             }
+            Kind::MeasuredBsdf => crate::measured::lobe_cases(list),
+            Kind::MeasuredPicture => crate::measured::picture_cases(list),
             Kind::Tint => {
                 let tree = Tree::Tint {
                     tint: [0.8, 0.5, 0.2],

@@ -13,6 +13,7 @@ mod energy;
 mod film;
 mod limits;
 mod math;
+mod measured;
 mod optional;
 mod reciprocity;
 mod sphere;

@@ -23,6 +23,10 @@ fn is_reciprocal_where_promised() {
         let thin = case.point.flags & POINT_THIN_WALLED != 0;
         let (mut random, mut compared) = (Random::new(5), 0);
         for wo in views() {
+            // The azimuth of the normal, on which measured values may depend, is any.
+            if wo.z == 1.0 && case.name.starts_with("measured") {
+                continue;
+            }
             for _ in 0..2_000 {
                 let sample = forward.sample(wo, [random.unit(), random.unit(), random.unit()]);
                 // Toward the ends of a lobe's tail, rounding of the directions decides.

@@ -146,6 +146,15 @@ impl<S: Structure> Distributions<'_, S> {
                 self.sheen(lobe, Curve::Microflake { roughness }, multiple, base, depth)?
             }
             ("dusty_diffuse_reflection_bsdf", &[tint, _]) => Tree::DustyDiffuse { tint: self.color(tint) },
+            ("measured_bsdf", &[measurement, multiplier, mode, _]) => Tree::MeasuredBsdf {
+                measurement: self.resource(measurement),
+                multiplier: self.float(multiplier),
+                mode: self.mode(mode)?,
+            },
+            ("measured_factor", &[values, base]) => {
+                let picture = self.resource(values);
+                over(self.nested(base, depth)?, |base| Tree::MeasuredPicture { picture, base })
+            }
             ("tint", &[tint, base]) => self.tinted(tint, None, base, depth)?,
             ("tint", &[reflection, transmission, base]) => {
                 self.tinted(reflection, Some(transmission), base, depth)?
@@ -503,6 +512,15 @@ impl<S: Structure> Distributions<'_, S> {
         match self.graph.known(node) {
             Some(Value::Float(x)) => Param::Const(*x),
             _ => Param::Node(node, 0),
+        }
+    }
+
+    /// The number of a resource of the graph, negative for none.
+    fn resource(&self, node: NodeId) -> Param {
+        match self.graph.known(node) {
+            Some(Value::Resource(Some(index))) => Param::Const(*index as f32),
+            Some(_) => Param::Const(-1.0),
+            None => Param::Node(node, 0),
         }
     }
 

@@ -12,6 +12,10 @@ use mdl_frontend::graph::{Graph, Node, NodeId, NodeKind, Op, Stage};
 use mdl_frontend::types::{TypeId, TypeTable};
 use mdl_frontend::value::Value;
 
+/// Functions that ask whether a resource is there.
+const VALIDITY: [&str; 3] =
+    ["::tex::texture_isvalid", "::df::light_profile_isvalid", "::df::bsdf_measurement_isvalid"];
+
 /// Folds with the interpreter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InterpreterFolder;
@@ -24,7 +28,7 @@ impl Folder for InterpreterFolder {
         types: &TypeTable,
         result: TypeId,
     ) -> Option<Value> {
-        if matches!(builtin, "::tex::texture_isvalid" | "::df::light_profile_isvalid") {
+        if VALIDITY.contains(&builtin) {
             // A file that the loader found is valid; one that cannot be read is an error later.
             return match args {
                 [(Value::Resource(resource), _), ..] => Some(Value::Bool(resource.is_some())),

@@ -8,7 +8,7 @@ use super::stage::{Leaves, UniformStage};
 use super::values::Strings;
 use crate::Input;
 use crate::material::{Emission, Face, Inputs, IntensityMode, Material, PROGRAM_OFFSET, Part};
-use layered_bsdf::prelude::{BsdfOptions, LayerProgram, Params, Slot, Tree};
+use layered_bsdf::prelude::{BsdfOptions, LayerProgram, Params, Slot, Tables, Tree};
 use mdl_frontend::graph::{Graph, MaterialGraph, NodeId, NodeKind, Op, Stage, SurfaceRoots};
 use mdl_frontend::value::Value;
 use std::collections::HashMap;
@@ -227,6 +227,7 @@ impl CompiledMaterial {
             thin_walled,
             surface: face(&self.surface),
             backface: self.backface.as_ref().map(face),
+            tables: Tables::default(),
             inputs,
         }))
     }
@@ -275,6 +276,8 @@ impl PartPlan {
             Slot::Value(Param::Node(node, component)) => match values.get(node) {
                 Some(leaves) => match leaves[usize::from(*component)] {
                     Input::F32(x) => x,
+                    // The number of a resource.
+                    Input::I32(x) => x as f32,
                     _ => 0.0,
                 },
                 // It varies.

@@ -62,9 +62,10 @@ impl ScatterStage {
         if roulette_on {
             bounce.pass.draw(roulette(bounce.index), bounce.pixel_seeds, &self.paths, &mut self.roulette);
         }
-        let mut own = self.own.take().unwrap_or_else(|| Box::new((group.face.program, group.face.params)));
+        let mut own =
+            self.own.take().unwrap_or_else(|| Box::new((group.face.program.clone(), group.face.params)));
         let (program, params) = &mut *own;
-        *program = group.face.program;
+        program.clone_from(&group.face.program);
         *params = group.face.params;
         let inputs = job.shading.shaders[group.slot as usize].material.inputs(group.face.part);
         for (i, &row) in rows.iter().enumerate() {

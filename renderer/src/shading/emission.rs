@@ -41,7 +41,7 @@ impl Emitters {
     /// For the materials of a scene.
     pub fn new(shading: &Shading<'_>) -> Self {
         let program = |slot: usize, back: bool| {
-            shading.shaders[slot].emitter(back).map(|e| Box::new((e.program, e.params)))
+            shading.shaders[slot].emitter(back).map(|e| Box::new((e.program.clone(), e.params)))
         };
         let programs = (0..shading.shaders.len()).map(|slot| [program(slot, false), program(slot, true)]);
         Self { programs: programs.collect(), ..Self::default() }

@@ -126,7 +126,7 @@ fn face(material: &Material, back: bool) -> Face {
     let framed = |n: u32| (OP_GGX_SMITH..OP_TINT).contains(&(n & OP_MASK)) && n & FLAG_VECTOR != 0;
     let asks_for_frame = [StateField::FrameX, StateField::FrameY].iter().any(|&f| inputs.state.contains(f));
     Face {
-        program: face.bsdf.to_program(),
+        program: face.bsdf.with_tables(&material.tables),
         params,
         part,
         emitter: face.emission.as_ref().and_then(|e| emitter(material, e, emission_part)),

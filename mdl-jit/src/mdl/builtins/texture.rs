@@ -40,13 +40,14 @@ pub fn row(module: &str, function: &str) -> Option<Row> {
     })
 }
 
-/// The row of a function of `::df` that reads a light profile, see `renderer/src/images/profile.rs`.
+/// The row of a function of `::df` that asks a light profile, see `renderer/src/images/profile.rs`, or a
+/// measurement.
 pub fn profile_row(function: &str) -> Option<Row> {
     use Row::Code;
     Some(match function {
         "light_profile_power" => Code(|l, args, _| Ok(profile_number(l, args, 0))),
         "light_profile_maximum" => Code(|l, args, _| Ok(profile_number(l, args, 1))),
-        "light_profile_isvalid" => Code(is_valid),
+        "light_profile_isvalid" | "bsdf_measurement_isvalid" => Code(is_valid),
         _ => return None,
     })
 }
