@@ -8,6 +8,7 @@ pub mod costs;
 pub mod environment;
 pub mod error;
 pub mod function;
+pub mod hair;
 pub mod loader;
 pub mod material;
 pub mod probe;

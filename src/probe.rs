@@ -269,7 +269,7 @@ fn array(v: Vec3f) -> [f32; 3] {
 }
 
 /// A point of a sequence that fills the unit cube evenly (M. Roberts, 2018).
-fn quasi_random(index: u32) -> [f32; 3] {
+pub(crate) fn quasi_random(index: u32) -> [f32; 3] {
     const STEPS: [f64; 3] = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
     STEPS.map(|step| ((0.5 + f64::from(index + 1) * step).fract() as f32).min(1.0 - f32::EPSILON / 2.0))
 }

@@ -1162,6 +1162,8 @@ const OP_MEASURED_LAYER: u32 = 37u;
 const OP_MICROFLAKE_LAYER: u32 = 38u;
 const OP_DIFFUSE_EDF: u32 = 64u;
 const OP_SPOT_EDF: u32 = 65u;
+const OP_ANISOTROPIC_VDF: u32 = 66u;
+const OP_FOG_VDF: u32 = 67u;
 const FLAG_VECTOR: u32 = 256u;
 const FLAG_COLOR: u32 = 512u;
 const FLAG_BASE_FIRST: u32 = 1024u;
@@ -3095,5 +3097,367 @@ fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3
         return lobe_absorb();
     }
     return LobeSample(wi, select(EVENT_GLOSSY, EVENT_DIFFUSE, (op == OP_DIFFUSE_EDF)));
+}
+const SLOT_HAIR_TINT: u32 = 0u;
+const SLOT_HAIR_DIFFUSE: u32 = 3u;
+const SLOT_HAIR_DIFFUSE_TINT: u32 = 4u;
+const SLOT_HAIR_ROUGHNESS: u32 = 7u;
+const SLOT_HAIR_CUTICLE: u32 = 13u;
+const SLOT_HAIR_ABSORPTION: u32 = 14u;
+const SLOT_HAIR_IOR: u32 = 17u;
+const HAIR_SLOTS: u32 = 18u;
+const HAIR_V_MIN: f32 = 1e-6;
+const HAIR_S_MIN: f32 = 1e-3;
+const SQRT_PI_8: f32 = 0.62665707;
+
+struct HairValue {
+    value: vec3f,
+    pdf: f32
+}
+
+struct HairSample {
+    wi: vec3f,
+    pdf: f32,
+    weight: vec3f
+}
+
+struct Fiber {
+    a0: vec3f,
+    a1: vec3f,
+    a2: vec3f,
+    a3: vec3f,
+    gamma_o: f32,
+    gamma_t: f32,
+    diffuse: f32
+}
+
+fn bessel_i0_scaled(x: f32) -> f32 {
+    if (x < 3.75) {
+        let t = (x * (1.0 / 3.75));
+        let z = (t * t);
+        let p = (0.2659732 + (z * (0.0360768 + (z * 0.0045813))));
+        return ((1.0 + (z * (3.5156229 + (z * (3.0899424 + (z * (1.2067492 + (z * p)))))))) * math_exp(-x));
+    }
+    let r = (3.75 / x);
+    let p = (0.00916281 + (r * (-0.02057706 + (r * (0.02635537 + (r * (-0.01647633 + (r * 0.00392377))))))));
+    return ((0.3989423 + (r * (0.01328592 + (r * (0.00225319 + (r * (-0.00157565 + (r * p)))))))) / sqrt(x));
+}
+
+fn hair_longitudinal(to: vec2f, ti: vec2f, v: f32) -> f32 {
+    let across = (ti.x - to.x);
+    let along = (ti.y + to.y);
+    let exponent = ((-0.5 * ((across * across) + (along * along))) / v);
+    let wide = (((2.0 * v) * math_exp((-1.0 / max(v, 0.1)))) * math_sinh((1.0 / max(v, 0.1))));
+    let norm = select(wide, v, (v < 0.1));
+    return ((math_exp(exponent) * bessel_i0_scaled(((to.x * ti.x) / v))) / norm);
+}
+
+fn hair_logistic(x: f32, s: f32) -> f32 {
+    let e = math_exp((-abs(x) / s));
+    return (e / (((s * (1.0 + e)) * (1.0 + e)) * math_tanh(((0.5 * PI) / s))));
+}
+
+fn hair_logistic_sample(u: f32, s: f32) -> f32 {
+    let x = ((2.0 * s) * math_atanh((clamp(((2.0 * u) - 1.0), -0.9999999, 0.9999999) * math_tanh(((0.5 * PI) / s)))));
+    return clamp(x, -PI, PI);
+}
+
+fn hair_turn(fiber: Fiber, p: f32) -> f32 {
+    return ((((2.0 * p) * fiber.gamma_t) - (2.0 * fiber.gamma_o)) + (p * PI));
+}
+
+fn hair_azimuthal(fiber: Fiber, p: f32, s: f32, dphi: f32) -> f32 {
+    let x = (dphi - hair_turn(fiber, p));
+    return hair_logistic((x - ((2.0 * PI) * math_round_half_even((x * (0.5 * FRAC_1_PI))))), s);
+}
+
+fn hair_roughness(h: ptr<function, Params>, p: u32) -> vec2f {
+    let v = param(h, (SLOT_HAIR_ROUGHNESS + (2u * p)));
+    let beta = param(h, ((SLOT_HAIR_ROUGHNESS + (2u * p)) + 1u));
+    let s = (nonnegative(beta) * SQRT_PI_8);
+    return vec2f(clamp(nonnegative(v), HAIR_V_MIN, 1e4), clamp(s, HAIR_S_MIN, 1e4));
+}
+
+fn hair_tilted(h: ptr<function, Params>, p: u32, wo: vec3f) -> vec2f {
+    let plain = vec2f(sqrt(((wo.y * wo.y) + (wo.z * wo.z))), wo.x);
+    let angle = param(h, SLOT_HAIR_CUTICLE);
+    if ((p > 2u) || !(abs(angle) < 100.0)) {
+        return plain;
+    }
+    let sc = math_sincos(((2.0 - (3.0 * f32(p))) * angle));
+    return vec2f(abs(((plain.x * sc.y) - (plain.y * sc.x))), ((plain.y * sc.y) + (plain.x * sc.x)));
+}
+
+fn fiber_new(h: ptr<function, Params>, wo: vec3f) -> Fiber {
+    let eta = sane_eta(param(h, SLOT_HAIR_IOR));
+    let cos_o = max(sqrt(((wo.y * wo.y) + (wo.z * wo.z))), 1e-18);
+    let offset = clamp((-wo.y / cos_o), -1.0, 1.0);
+    let sin_t = (wo.x / eta);
+    let cos_t = sqrt(max(((1.0 - sin_t) * (1.0 + sin_t)), 1e-12));
+    let inner = (sqrt(max(((eta - wo.x) * (eta + wo.x)), 1e-12)) / cos_o);
+    let bent = clamp((offset / inner), -1.0, 1.0);
+    let cos_bent = sqrt(((1.0 - bent) * (1.0 + bent)));
+    let fresnel = fresnel_dielectric(unit(abs(wo.z)), eta);
+    let rest = (1.0 - fresnel);
+    let depth = ((2.0 * cos_bent) / cos_t);
+    let sigma = param3(h, SLOT_HAIR_ABSORPTION);
+    let t = vec3f(math_exp(-min((nonnegative(sigma.x) * depth), 80.0)), math_exp(-min((nonnegative(sigma.y) * depth), 80.0)), math_exp(-min((nonnegative(sigma.z) * depth), 80.0)));
+    let a1 = (t * (rest * rest));
+    let a2 = ((a1 * t) * fresnel);
+    let lost = vec3f(max((1.0 - (t.x * fresnel)), 1e-20), max((1.0 - (t.y * fresnel)), 1e-20), max((1.0 - (t.z * fresnel)), 1e-20));
+    let weight = unit(param(h, SLOT_HAIR_DIFFUSE));
+    return Fiber(splat3(fresnel), a1, a2, (((a2 * t) * fresnel) / lost), math_atan2(-wo.y, max(abs(wo.z), 1e-30)), math_asin(bent), select(0.0, weight, (wo.z > 0.0)));
+}
+
+fn hair_eval(h: ptr<function, Params>, wo: vec3f, wi: vec3f) -> HairValue {
+    let fiber = fiber_new(h, wo);
+    return hair_eval_fiber(h, fiber, wo, wi);
+}
+
+fn hair_eval_fiber(h: ptr<function, Params>, fiber: Fiber, wo: vec3f, wi: vec3f) -> HairValue {
+    let ti = vec2f(sqrt(((wi.y * wi.y) + (wi.z * wi.z))), wi.x);
+    let dphi = math_atan2(((wi.z * wo.y) - (wi.y * wo.z)), ((wi.y * wo.y) + (wi.z * wo.z)));
+    let r0 = hair_roughness(h, 0u);
+    let r1 = hair_roughness(h, 1u);
+    let r2 = hair_roughness(h, 2u);
+    let n0 = (hair_longitudinal(hair_tilted(h, 0u, wo), ti, r0.x) * hair_azimuthal(fiber, 0.0, r0.y, dphi));
+    let n1 = (hair_longitudinal(hair_tilted(h, 1u, wo), ti, r1.x) * hair_azimuthal(fiber, 1.0, r1.y, dphi));
+    let n2 = (hair_longitudinal(hair_tilted(h, 2u, wo), ti, r2.x) * hair_azimuthal(fiber, 2.0, r2.y, dphi));
+    let n3 = (hair_longitudinal(hair_tilted(h, 3u, wo), ti, r2.x) * (0.5 * FRAC_1_PI));
+    let lobes = ((((fiber.a0 * n0) + (fiber.a1 * n1)) + (fiber.a2 * n2)) + (fiber.a3 * n3));
+    let m = vec4f(mean3(fiber.a0), mean3(fiber.a1), mean3(fiber.a2), mean3(fiber.a3));
+    let pdf = (((((m.x * n0) + (m.y * n1)) + (m.z * n2)) + (m.w * n3)) / (((m.x + m.y) + m.z) + m.w));
+    let cosine = (max(wi.z, 0.0) * FRAC_1_PI);
+    let diffuse = (unit3(param3(h, SLOT_HAIR_DIFFUSE_TINT)) * (cosine * fiber.diffuse));
+    let weight = unit(param(h, SLOT_HAIR_DIFFUSE));
+    return HairValue((unit3(param3(h, SLOT_HAIR_TINT)) * ((lobes * (1.0 - weight)) + diffuse)), ((pdf * (1.0 - fiber.diffuse)) + (cosine * fiber.diffuse)));
+}
+
+fn hair_sample(h: ptr<function, Params>, wo: vec3f, u: vec3f) -> HairSample {
+    let fiber = fiber_new(h, wo);
+    let wi = hair_direction(h, fiber, wo, u);
+    let v = hair_eval_fiber(h, fiber, wo, wi);
+    if !(v.pdf > 0.0) {
+        return HairSample(wi, 0.0, splat3(0.0));
+    }
+    return HairSample(wi, v.pdf, (v.value * (1.0 / max(v.pdf, 1e-37))));
+}
+
+fn hair_direction(h: ptr<function, Params>, fiber: Fiber, wo: vec3f, u: vec3f) -> vec3f {
+    if (u.z < fiber.diffuse) {
+        return sample_cosine_hemisphere(u.xy);
+    }
+    let m = vec4f(mean3(fiber.a0), mean3(fiber.a1), mean3(fiber.a2), mean3(fiber.a3));
+    let sum = (((m.x + m.y) + m.z) + m.w);
+    let choice = (((u.z - fiber.diffuse) / (1.0 - fiber.diffuse)) * sum);
+    let after0 = (m.x + m.y);
+    let after1 = (after0 + m.z);
+    let p = select(select(select(3u, 2u, (choice < after1)), 1u, (choice < after0)), 0u, (choice < m.x));
+    let before = select(select(select(after1, after0, (p == 2u)), m.x, (p == 1u)), 0.0, (p == 0u));
+    let own = select(select(select(m.w, m.z, (p == 2u)), m.y, (p == 1u)), m.x, (p == 0u));
+    let rest = clamp(((choice - before) / max(own, 1e-30)), 0.0, 1.0);
+    let r = hair_roughness(h, min(p, 2u));
+    let to = hair_tilted(h, p, wo);
+    let spread = (u.y + ((1.0 - u.y) * math_exp((-2.0 / r.x))));
+    let below = min((-r.x * math_log(max(spread, 1e-37))), 2.0);
+    let radius = sqrt(max((below * (2.0 - below)), 0.0));
+    let sc = math_sincos(((2.0 * PI) * rest));
+    let sin_i = (((radius * sc.y) * to.x) - (to.y * (1.0 - below)));
+    let up = ((to.x * (1.0 - below)) + ((radius * sc.y) * to.y));
+    let side = (radius * sc.x);
+    let cos_i = sqrt(((up * up) + (side * side)));
+    let uniform = (PI * ((2.0 * u.x) - 1.0));
+    let turned = (hair_turn(fiber, f32(p)) + hair_logistic_sample(u.x, r.y));
+    let phi = (math_atan2(wo.z, wo.y) + select(turned, uniform, (p == 3u)));
+    let around = math_sincos(phi);
+    return normalize_or(vec3f(sin_i, (cos_i * around.y), (cos_i * around.x)), vec3f(0.0, 0.0, 1.0));
+}
+const FRAC_1_4PI: f32 = 0.07957747;
+const BIAS_MOST: f32 = 0.999999;
+const DROPLET_MOST: f32 = 50.0;
+
+fn sane_bias(g: f32) -> f32 {
+    return select(0.0, clamp(g, -BIAS_MOST, BIAS_MOST), (abs(g) >= 0.0));
+}
+
+fn hg_eval(g: f32, rest: f32, wo: vec3f, wi: vec3f) -> f32 {
+    let a = abs(g);
+    let apart = (wi + (wo * select(-1.0, 1.0, (g >= 0.0))));
+    let d = ((rest * rest) + (a * dot(apart, apart)));
+    return (((FRAC_1_4PI * rest) * (1.0 + a)) / (d * sqrt(d)));
+}
+
+fn hg_below(a: f32, rest: f32, u: f32) -> f32 {
+    let q = (rest / (rest + ((2.0 * a) * (1.0 - u))));
+    return ((q * u) * (((1.0 + a) * q) + rest));
+}
+
+fn phase_direction(peak: vec3f, below: f32, turn: f32) -> vec3f {
+    let r = sqrt(max((below * (2.0 - below)), 0.0));
+    let sc = math_sincos(((2.0 * PI) * turn));
+    let frame = frame_from_normal(peak);
+    return normalize_or(frame_from_local(frame, vec3f((r * sc.y), (r * sc.x), (1.0 - below))), peak);
+}
+
+fn hg_sample(g: f32, rest: f32, wo: vec3f, u: vec2f) -> vec3f {
+    return phase_direction((wo * select(1.0, -1.0, (g >= 0.0))), hg_below(abs(g), rest, u.y), u.x);
+}
+
+fn draine_eval(g: f32, alpha: f32, wo: vec3f, wi: vec3f) -> f32 {
+    let c = dot(wo, wi);
+    return ((hg_eval(g, (1.0 - abs(g)), wo, wi) * (1.0 + ((alpha * c) * c))) / (1.0 + ((alpha * (1.0 + ((2.0 * g) * g))) * (1.0 / 3.0))));
+}
+
+fn draine_sample(g: f32, alpha: f32, wo: vec3f, u: vec2f) -> vec3f {
+    let a = abs(g);
+    let goal = (u.y * (1.0 + ((alpha * (1.0 + ((2.0 * a) * a))) * (1.0 / 3.0))));
+    var low: f32 = 0.0;
+    var high: f32 = 1.0;
+    var x: f32 = u.y;
+    var step: u32 = 0u;
+    while (step < 24u) {
+        let y = ((1.0 - a) + ((2.0 * a) * x));
+        let part = (((2.0 * a) * x) / y);
+        let whole = ((((1.0 + a) * (1.0 + a)) * x) / y);
+        let square = ((1.0 - (2.0 * whole)) + (((whole * whole) * (4.0 - part)) * (1.0 / 3.0)));
+        let miss = ((x * (1.0 + (alpha * square))) - goal);
+        let c = ((whole * (2.0 - part)) - 1.0);
+        low = select(low, x, (miss <= 0.0));
+        high = select(x, high, (miss <= 0.0));
+        let newton = (x - (miss / (1.0 + ((alpha * c) * c))));
+        let next = select((0.5 * (low + high)), newton, ((newton > low) && (newton < high)));
+        step = select((step + 1u), 24u, (abs((next - x)) < 5e-8));
+        x = next;
+    }
+    return phase_direction((wo * select(1.0, -1.0, (g >= 0.0))), hg_below(a, (1.0 - a), (1.0 - x)), u.x);
+}
+
+struct Fog {
+    g_hg: f32,
+    rest: f32,
+    g_draine: f32,
+    alpha: f32,
+    share: f32
+}
+
+fn fog_new(diameter: f32) -> Fog {
+    let d = min(nonnegative(diameter), DROPLET_MOST);
+    if (d <= 0.1) {
+        let g_hg = ((13.8 * d) * d);
+        return Fog(g_hg, (1.0 - g_hg), ((1.1456 * d) * math_sin((9.29044 * d))), 250.0, (0.252977 - (312.983 * math_pow(d, 4.3))));
+    }
+    let l = math_log(d);
+    if (d < 1.5) {
+        let inner = math_cos((((l - 0.238604) * (l + 1.00667)) / (0.507522 - (0.15677 * l))));
+        let outer = math_cos((((1.19692 * inner) + (1.37932 * l)) + 0.0625835));
+        let g_hg = (0.862 - ((0.143 * l) * l));
+        return Fog(g_hg, (1.0 - g_hg), ((0.379685 * outer) + 0.344213), 250.0, (((0.146209 * math_cos(((3.38707 * l) + 2.11193))) + 0.316072) + (0.0778917 * l)));
+    }
+    if (d < 5.0) {
+        let ll = math_log(l);
+        let g_hg = ((0.0604931 * ll) + 0.940256);
+        return Fog(g_hg, (1.0 - g_hg), (0.500411 - (0.081287 / (((-2.0 * l) + math_tan(l)) + 1.27551))), ((7.30354 * l) + 6.31675), ((0.026914 * (l - math_cos((5.68947 * (ll - 0.0292149))))) + 0.376475));
+    }
+    let narrow = (0.0990567 / (d - 1.67154));
+    return Fog(math_exp(-narrow), ((2.0 * math_exp((-0.5 * narrow))) * math_sinh((0.5 * narrow))), math_exp(((-2.20679 / (d + 3.91029)) - 0.428934)), math_exp((3.62489 - (8.29288 / (d + 5.52825)))), math_exp(((-0.599085 / (d - 0.641583)) - 0.665888)));
+}
+
+fn fog_eval(fog: Fog, wo: vec3f, wi: vec3f) -> f32 {
+    let draine = draine_eval(fog.g_draine, fog.alpha, wo, wi);
+    return (((1.0 - fog.share) * hg_eval(fog.g_hg, fog.rest, wo, wi)) + (fog.share * draine));
+}
+
+fn fog_sample(fog: Fog, wo: vec3f, u: vec3f) -> vec3f {
+    if (u.z < fog.share) {
+        return draine_sample(fog.g_draine, fog.alpha, wo, u.xy);
+    }
+    return hg_sample(fog.g_hg, fog.rest, wo, u.xy);
+}
+struct VdfValue {
+    value: vec3f,
+    pdf: f32
+}
+
+struct VdfSample {
+    wi: vec3f,
+    pdf: f32,
+    weight: vec3f
+}
+
+fn vdf_leaf_eval(n: vec4u, p: ptr<function, Params>, wo: vec3f, wi: vec3f) -> f32 {
+    let op = (n.x & OP_MASK);
+    if (op == OP_ANISOTROPIC_VDF) {
+        let g = sane_bias(param(p, n.y));
+        return hg_eval(g, (1.0 - abs(g)), wo, wi);
+    }
+    if (op == OP_FOG_VDF) {
+        return fog_eval(fog_new(param(p, n.y)), wo, wi);
+    }
+    return 0.0;
+}
+
+fn vdf_eval(program: ptr<function, Program>, p: ptr<function, Params>, wo: vec3f, wi: vec3f) -> VdfValue {
+    var result: VdfValue = VdfValue(splat3(0.0), 0.0);
+    let point = shading_point(vec3f(0.0, 0.0, 1.0), splat3(1.0), splat3(1.0), 0u);
+    var visit: Visit = visit_root();
+    var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
+    var depth: u32 = 0u;
+    var running: bool = true;
+    while running {
+        let n = bsdf_node(program, visit.node);
+        let op = (n.x & OP_MASK);
+        if (op == OP_WEIGHTED_LAYER) {
+            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let prob = layer_probability(n, p, weight);
+            let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
+            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
+            stack[u32(depth)] = visit_later(n, layer, base);
+            visit = visit_now(n, layer, base);
+            depth += 1u;
+        } else if ((op == OP_TINT) || (op == OP_SCALE)) {
+            visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, false);
+            visit.node += 1u;
+        } else {
+            let phase = vdf_leaf_eval(n, p, wo, wi);
+            result.value += (visit.weight * phase);
+            result.pdf += (visit.prob * phase);
+            running = (depth > 0u);
+            if running {
+                depth -= 1u;
+                visit = stack[u32(depth)];
+            }
+        }
+    }
+    return result;
+}
+
+fn vdf_sample(program: ptr<function, Program>, p: ptr<function, Params>, wo: vec3f, u: vec3f) -> VdfSample {
+    var node: u32 = 0u;
+    var uz: f32 = u.z;
+    var n: vec4u = bsdf_node(program, node);
+    while (((n.x & OP_MASK) >= OP_TINT) && ((n.x & OP_MASK) < OP_DIFFUSE_EDF)) {
+        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
+            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let q = layer_probability(n, p, weight);
+            let layer = (uz < q);
+            uz = reuse_random(uz, q, layer);
+            node = select(base_child(n, node), layer_child(n, node), layer);
+        } else {
+            node += 1u;
+        }
+        n = bsdf_node(program, node);
+    }
+    let op = (n.x & OP_MASK);
+    var wi: vec3f = vec3f(-wo.x, -wo.y, -wo.z);
+    if (op == OP_ANISOTROPIC_VDF) {
+        let g = sane_bias(param(p, n.y));
+        wi = hg_sample(g, (1.0 - abs(g)), wo, u.xy);
+    } else if (op == OP_FOG_VDF) {
+        wi = fog_sample(fog_new(param(p, n.y)), wo, vec3f(u.x, u.y, uz));
+    } else {
+        return VdfSample(wi, 0.0, splat3(0.0));
+    }
+    let v = vdf_eval(program, p, wo, wi);
+    return VdfSample(wi, v.pdf, (v.value * (1.0 / max(v.pdf, 1e-37))));
 }
 const LAYERED_BSDF_VERSION: u32 = 1u;

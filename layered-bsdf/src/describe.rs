@@ -79,6 +79,8 @@ fn operation(op: u32) -> Operation {
         }
         OP_DIFFUSE_EDF => ("diffuse emission", &[], &[]),
         OP_SPOT_EDF => ("spot emission", &[("exponent", 1), ("spread", 1)], &[(FLAG_VECTOR, "axis")]),
+        OP_ANISOTROPIC_VDF => ("anisotropic scattering", &[("directional bias", 1)], &[]),
+        OP_FOG_VDF => ("scattering by droplets", &[("particle size", 1)], &[]),
         _ => ("unknown", &[], &[]),
     };
     Operation { name, parameters, optional }

@@ -91,10 +91,14 @@ pub mod code {
     pub const OP_MEASURED_LAYER: u32 = 37;
     /// What the sheen of microflakes leaves to its base: importances, weight, roughness, normal if flagged.
     pub const OP_MICROFLAKE_LAYER: u32 = 38;
-    /// Diffuse emission; no parameters. This and all above are emission.
+    /// Diffuse emission; no parameters. This and the next are emission.
     pub const OP_DIFFUSE_EDF: u32 = 64;
     /// Emission into a cone: exponent, spread, axis if flagged.
     pub const OP_SPOT_EDF: u32 = 65;
+    /// Scattering by particles with a bias forwards or backwards: mean cosine. This and all above scatter in volumes.
+    pub const OP_ANISOTROPIC_VDF: u32 = 66;
+    /// Scattering by droplets: diameter in µm.
+    pub const OP_FOG_VDF: u32 = 67;
 
     /// The lobe has a tangent; the layer has a normal; the cone has an axis.
     pub const FLAG_VECTOR: u32 = 0x100;

@@ -225,6 +225,16 @@ pub enum Tree<P> {
         /// Axis in the local frame, any length; none if it is the normal.
         axis: Option<[P; 3]>,
     },
+    /// `df::anisotropic_vdf`
+    AnisotropicVdf {
+        /// Mean cosine, −1 (back) to 1 (straight on).
+        directional_bias: P,
+    },
+    /// `df::fog_vdf`
+    FogVdf {
+        /// Diameter of the droplets, µm.
+        particle_size: P,
+    },
 }
 
 /// How the share of a layer depends on the angle; multiplied by the layer's weight.
@@ -438,7 +448,7 @@ impl LayerProgram {
         let op = n.x & OP_MASK;
         match op {
             OP_BLACK => 0.0,
-            OP_DIFFUSE_EDF | OP_SPOT_EDF => 1.0,
+            OP_DIFFUSE_EDF | OP_SPOT_EDF | OP_ANISOTROPIC_VDF | OP_FOG_VDF => 1.0,
             OP_DIFFUSE_REFLECTION if n.x & FLAG_COLOR != 0 => {
                 brightest(n.y + SLOT_TINT).max(brightest(n.y + SLOT_DIFFUSE_MULTIPLE))
             }
@@ -539,6 +549,14 @@ impl<P: Copy> Layout<P> {
             Tree::SpotEdf { exponent, spread, axis } => {
                 self.node(OP_SPOT_EDF | flag(axis, FLAG_VECTOR), 0)?;
                 self.values(&[&[*exponent, *spread], optional(axis)])
+            }
+            Tree::AnisotropicVdf { directional_bias } => {
+                self.node(OP_ANISOTROPIC_VDF, 0)?;
+                self.values(&[&[*directional_bias]])
+            }
+            Tree::FogVdf { particle_size } => {
+                self.node(OP_FOG_VDF, 0)?;
+                self.values(&[&[*particle_size]])
             }
             Tree::Layer { curve, weight, normal, layer, base } => {
                 self.layer(curve, weight, normal, [layer, base], film)

@@ -7,7 +7,9 @@ pub mod code {
     //! Everything, for the one text.
     pub use crate::edf::code::*;
     pub use crate::evaluator::code::*;
+    pub use crate::lobes::hair::code::*;
     pub use crate::math::code::*;
+    pub use crate::vdf::code::*;
 
     /// The version of the library's conventions; a kernel that links it can check it.
     pub const LAYERED_BSDF_VERSION: u32 = 1;

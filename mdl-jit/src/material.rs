@@ -26,13 +26,18 @@ pub enum Part {
     SurfaceEmission,
     /// Intensity (three), then the slots of the back's EDF.
     BackfaceEmission,
-    /// Absorption, then scattering coefficient (three each), per scene unit.
+    /// Absorption, then scattering coefficient (three each), per metre.
     Volume,
+    /// Emission of the volume (three, W·m⁻³·sr⁻¹), then the slots of its VDF. None if it does neither scatter nor
+    /// emit.
+    VolumeScattering,
+    /// The slots of the hair lobe ([`layered_bsdf::lobes::hair`]). None if there is no hair.
+    Hair,
 }
 
 impl Part {
     /// All parts in order.
-    pub const ALL: [Part; 7] = [
+    pub const ALL: [Part; 9] = [
         Part::Cutout,
         Part::Normal,
         Part::Surface,
@@ -40,10 +45,12 @@ impl Part {
         Part::SurfaceEmission,
         Part::BackfaceEmission,
         Part::Volume,
+        Part::VolumeScattering,
+        Part::Hair,
     ];
 }
 
-/// Outputs before the slots of a program: the index of refraction, or the intensity.
+/// Outputs before the slots of a program: the index of refraction, the intensity, or the emission of a volume.
 pub const PROGRAM_OFFSET: usize = 3;
 
 /// Why inputs could not be computed: the message names the material and the place in its source.
@@ -207,8 +214,10 @@ pub struct Material {
     pub backface: Option<Face>,
     /// Measured data by the number of a resource, to be loaded: see [`Material::table_numbers`].
     pub tables: Tables,
+    /// How the volume scatters; none if its scattering coefficient is zero.
+    pub vdf: Option<LayerProgram>,
     /// By part, in the order of [`Part::ALL`].
-    pub inputs: [Inputs; 7],
+    pub inputs: [Inputs; 9],
 }
 
 impl Material {
@@ -278,8 +287,12 @@ pub struct ConstantMaterial {
     pub ior: [f32; 3],
     /// Share of the surface that exists.
     pub cutout_opacity: f32,
-    /// Absorption coefficient of the volume, per scene unit.
+    /// Absorption coefficient of the volume, per metre.
     pub absorption: [f32; 3],
+    /// How the volume scatters, and its scattering coefficient, per metre.
+    pub volume_scattering: Option<(Tree<f32>, [f32; 3])>,
+    /// Emission of the volume, W·m⁻³·sr⁻¹.
+    pub volume_emission: [f32; 3],
 }
 
 impl Default for ConstantMaterial {
@@ -292,6 +305,8 @@ impl Default for ConstantMaterial {
             ior: [1.0; 3],
             cutout_opacity: 1.0,
             absorption: [0.0; 3],
+            volume_scattering: None,
+            volume_emission: [0.0; 3],
         }
     }
 }
@@ -307,13 +322,21 @@ impl ConstantMaterial {
             }
             None => (None, vec![0.0; PROGRAM_OFFSET]),
         };
-        let [x, y, z] = self.absorption;
+        let (vdf, coefficient, volume_outputs) = match &self.volume_scattering {
+            Some((tree, coefficient)) => {
+                let (vdf, outputs) = program_outputs(tree, self.volume_emission)?;
+                (Some(vdf), *coefficient, outputs)
+            }
+            None if self.volume_emission == [0.0; 3] => (None, [0.0; 3], Vec::new()),
+            None => (None, [0.0; 3], self.volume_emission.to_vec()),
+        };
         Ok(Material {
             name: self.name.clone(),
             thin_walled: self.thin_walled,
             surface: Face { bsdf, emission },
             backface: None,
             tables: Tables::default(),
+            vdf,
             inputs: [
                 Inputs::constant([self.cutout_opacity]),
                 Inputs::constant([]),
@@ -321,7 +344,9 @@ impl ConstantMaterial {
                 Inputs::constant([]),
                 Inputs::constant(emission_outputs),
                 Inputs::constant([]),
-                Inputs::constant([x, y, z, 0.0, 0.0, 0.0]),
+                Inputs::constant([self.absorption, coefficient].concat()),
+                Inputs::constant(volume_outputs),
+                Inputs::constant([]),
             ],
         })
     }

@@ -19,6 +19,12 @@ pub enum Feature {
     Volumes,
     /// Volumes absorb.
     Absorption,
+    /// Volumes scatter.
+    Scattering,
+    /// Volumes emit.
+    VolumeEmission,
+    /// Boundaries of volumes that light may pass without a turn.
+    StraightBoundaries,
     /// Parts of surfaces are cut out.
     Cutout,
     /// Surfaces emit.
@@ -49,10 +55,13 @@ pub enum Feature {
 
 impl Feature {
     /// All in order.
-    pub const ALL: [Feature; 16] = [
+    pub const ALL: [Feature; 19] = [
         Feature::Transmission,
         Feature::Volumes,
         Feature::Absorption,
+        Feature::Scattering,
+        Feature::VolumeEmission,
+        Feature::StraightBoundaries,
         Feature::Cutout,
         Feature::Emission,
         Feature::VaryingEmission,
@@ -74,6 +83,9 @@ impl Feature {
             Self::Transmission => "transmission",
             Self::Volumes => "volumes",
             Self::Absorption => "absorption",
+            Self::Scattering => "scattering",
+            Self::VolumeEmission => "volume emission",
+            Self::StraightBoundaries => "straight boundary",
             Self::Cutout => "cutout",
             Self::Emission => "emission",
             Self::VaryingEmission => "varying emission",
@@ -123,11 +135,16 @@ impl Needs {
             names.join(", ")
         };
         let setting = |on: bool, why: &str| if on { why.to_string() } else { String::new() };
+        let mut inner = PathFields::INNER_BYTES;
+        let mut traveled = PathFields::TRAVELED_BYTES;
         let rows = Feature::ALL.map(|feature| {
             let why = match feature {
                 Feature::Transmission => named(&|s| transmits(s)),
                 Feature::Volumes => named(&|s| s.has_interior),
                 Feature::Absorption => named(&|s| s.has_interior && absorbs(&s.material)),
+                Feature::Scattering => named(&|s| s.scattering.is_some()),
+                Feature::VolumeEmission => named(&|s| s.glows),
+                Feature::StraightBoundaries => named(&|s| s.straight.is_some()),
                 Feature::Cutout => named(&|s| s.has_cutout),
                 Feature::Emission => named(&|s| s.emits()),
                 Feature::VaryingEmission => named(&varying_emission),
@@ -153,7 +170,9 @@ impl Needs {
             let on = !why.is_empty();
             let bytes = match feature {
                 Feature::Volumes => Media::BYTES,
-                Feature::Cutout => PathFields::TRAVELED_BYTES,
+                // Shared by two features: the first that is on pays.
+                Feature::Scattering | Feature::VolumeEmission if on => std::mem::take(&mut inner),
+                Feature::StraightBoundaries | Feature::Cutout if on => std::mem::take(&mut traveled),
                 Feature::Alpha => PathFields::ALPHA_BYTES,
                 _ => 0,
             };
@@ -173,7 +192,8 @@ impl Needs {
     pub fn path_fields(&self) -> PathFields {
         PathFields {
             media: self.on(Feature::Volumes),
-            traveled: self.on(Feature::Cutout),
+            inner: self.on(Feature::Scattering) || self.on(Feature::VolumeEmission),
+            traveled: self.on(Feature::Cutout) || self.on(Feature::StraightBoundaries),
             alpha: self.on(Feature::Alpha),
         }
     }
@@ -208,7 +228,8 @@ fn varying_emission(shader: &Shader) -> bool {
 }
 
 fn varying_inputs(shader: &Shader) -> bool {
-    let parts = [Part::Cutout, Part::Normal, Part::Surface, Part::Backface, Part::Volume];
+    let parts =
+        [Part::Cutout, Part::Normal, Part::Surface, Part::Backface, Part::Volume, Part::VolumeScattering];
     parts.into_iter().any(|part| !shader.material.inputs(part).is_uniform())
 }
 

@@ -3,9 +3,9 @@
 use crate::camera::CameraRays;
 use crate::film::{Film, TileFilm};
 use crate::integrator::wave::Wave;
-use crate::integrator::{Counters, Fault, Job};
+use crate::integrator::{Counters, Fault, Job, enclosing};
 use crate::lights::{EnvironmentLight, Lights, TriangleLights};
-use crate::needs::Needs;
+use crate::needs::{Feature, Needs};
 use crate::progress::{Moment, Progress};
 use crate::sampler::{Pass, Sampler};
 use crate::scene::{Scene, SceneError};
@@ -131,7 +131,7 @@ pub fn render_with(
     let RenderSettings { width, height, .. } = *settings;
     let too_large = RenderError::LargeImage { width, height };
     let mut film = Film::new(width, height).ok_or(too_large)?;
-    let shaders: Vec<Shader> = materials.iter().map(|m| Shader::new(m.clone())).collect();
+    let shaders = shaders(scene, materials);
     let runtime = Runtime {
         textures,
         transforms: &scene.transforms,
@@ -174,7 +174,7 @@ pub fn needs_with(
 ) -> Result<Needs, RenderError> {
     let settings = RenderSettings::default();
     check(scene, materials, &settings)?;
-    let shaders: Vec<Shader> = materials.iter().map(|m| Shader::new(m.clone())).collect();
+    let shaders = shaders(scene, materials);
     let runtime = Runtime {
         textures,
         transforms: &scene.transforms,
@@ -203,11 +203,17 @@ fn check(scene: &Scene, materials: &[Arc<Material>], settings: &RenderSettings) 
     Ok(())
 }
 
+fn shaders(scene: &Scene, materials: &[Arc<Material>]) -> Vec<Shader> {
+    let slots = materials.iter().zip(0..);
+    slots.map(|(material, slot)| Shader::new(material.clone(), slot, scene.meters_per_unit)).collect()
+}
+
 fn lights(shading: &Shading<'_>, strategy: Strategy) -> Result<Lights, RenderError> {
     let compensate = strategy == Strategy::Mis;
     let environment = EnvironmentLight::new(&shading.scene.environment, compensate);
     let triangles = TriangleLights::new(shading)?;
-    if environment.is_none() && triangles.is_none() {
+    let glows = shading.shaders.iter().any(|shader| shader.glows);
+    if environment.is_none() && triangles.is_none() && !glows {
         return Err(RenderError::NoLight);
     }
     Ok(Lights::new(triangles, environment))
@@ -216,9 +222,22 @@ fn lights(shading: &Shading<'_>, strategy: Strategy) -> Result<Lights, RenderErr
 fn job<'a>(shading: Shading<'a>, lights: Lights, needs: &Needs, settings: &'a RenderSettings) -> Job<'a> {
     let scene = shading.scene;
     let state = needs.path_fields();
-    let cut = |instance, primitive| shading.shaders[scene.slot(instance, primitive) as usize].has_cutout;
+    let straight = needs.on(Feature::StraightBoundaries);
+    let cut = |instance, primitive| {
+        let shader = &shading.shaders[scene.slot(instance, primitive) as usize];
+        shader.has_cutout || shader.straight.is_some()
+    };
     let accel = if state.traveled { scene.accel.with_cutouts(cut) } else { scene.accel.clone() };
+    let eye = (scene.camera.position - scene.origin).as_vec3();
+    let start = match state.media {
+        true => enclosing::around(scene, shading.shaders, scene.meters_per_unit, eye),
+        false => Vec::new(),
+    };
+    let lit = if state.inner { enclosing::lit(scene, shading.shaders, &lights) } else { Vec::new() };
     Job {
+        straight,
+        start,
+        lit,
         accel,
         lights,
         camera: CameraRays::new(&scene.camera, settings.width, settings.height, scene.origin),
@@ -226,6 +245,7 @@ fn job<'a>(shading: Shading<'a>, lights: Lights, needs: &Needs, settings: &'a Re
             seed: settings.seed,
             lens: scene.camera.aperture_radius > 0.0,
             bounces: settings.max_bounces as usize + 1,
+            volumes: state.inner,
         },
         settings,
         state,

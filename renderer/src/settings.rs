@@ -31,8 +31,10 @@ pub struct RenderSettings {
     pub seed: u32,
     /// Threads; 0: as many as the machine runs at once. The picture does not depend on it.
     pub threads: usize,
-    /// Most scattering events of a path: 0 shows emission alone, 1 adds direct light.
+    /// Most scattering events of a path at surfaces: 0 shows emission alone, 1 adds direct light.
     pub max_bounces: u32,
+    /// Most scattering events of a path within volumes.
+    pub max_volume_bounces: u32,
     /// Number of scattering events after which Russian roulette may end a path; none: never.
     pub roulette_after: Option<u32>,
     /// Techniques.
@@ -55,6 +57,7 @@ impl Default for RenderSettings {
             seed: 0,
             threads: 0,
             max_bounces: 16,
+            max_volume_bounces: 1024,
             roulette_after: Some(3),
             strategy: Strategy::Mis,
             filter: PixelFilter::Gaussian,

@@ -4,6 +4,7 @@ use super::explain::explain;
 use super::{
     Assignment, Beyond, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector,
 };
+use lacquer::hair::HairProbe;
 use lacquer::{Error, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};
@@ -39,6 +40,9 @@ pub struct Args {
     /// The point is seen from inside the volume that the surface bounds
     #[arg(long)]
     inside: bool,
+    /// Ask the material's hair: x lies along the fiber
+    #[arg(long, conflicts_with = "inside")]
+    hair: bool,
     /// Samples of `furnace`
     #[arg(long, default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(1..))]
     samples: u32,
@@ -88,7 +92,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         return Err(Fail::Usage("random numbers lie in 0 to 1, 1 excluded".to_string()));
     }
     let wo = args.wo.unwrap_or([0.0, 0.0, 1.0]);
-    if wo[2] <= 0.0 {
+    if wo[2] <= 0.0 && !args.hair {
         return Err(Fail::Usage("--wo must lie above the surface: its third number is positive".to_string()));
     }
     let session = args.beyond.apply(args.search.session()?);
@@ -105,6 +109,9 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         print!("{text}");
     }
     let Some(verb) = args.verb else { return Ok(()) };
+    if args.hair {
+        return hair(args, verb, wo, &material, &at);
+    }
     let mut probe = material.at(&at)?;
     let mut object = Map::new();
     object.insert("material".to_string(), json!(material.name()));
@@ -132,6 +139,55 @@ pub fn run(args: &Args) -> Result<(), Fail> {
             object.insert("albedo".to_string(), json::floats(probe.albedo(wo)));
         }
         Verb::Furnace => {
+            let by_eval = probe.furnace_by_eval(wo);
+            let by_sample = probe.furnace_by_sample(wo, args.samples);
+            object.insert("by_eval".to_string(), by_eval.map(json::double).to_vec().into());
+            object.insert("by_sample".to_string(), by_sample.map(json::double).to_vec().into());
+        }
+    }
+    println!("{}", json::line(&object));
+    Ok(())
+}
+
+/// The same of the material's hair.
+fn hair(
+    args: &Args,
+    verb: Verb,
+    wo: [f32; 3],
+    material: &lacquer::Material,
+    at: &SurfacePoint,
+) -> Result<(), Fail> {
+    let probe = HairProbe::new(material, at)?;
+    let mut probe = probe.ok_or_else(|| Error::Name(format!("`{}` has no hair", material.name())))?;
+    let mut object = Map::new();
+    object.insert("material".to_string(), json!(material.name()));
+    object.insert("wo".to_string(), json::floats(wo));
+    if let Some(wi) = args.wi {
+        object.insert("wi".to_string(), json::floats(wi));
+    }
+    match verb {
+        Verb::Eval | Verb::Pdf => {
+            let wi = args.wi.ok_or_else(|| Fail::Usage("`eval` and `pdf` need --wi".to_string()))?;
+            let (value, pdf) = match (args.precision, args.backend) {
+                (Precision::F32, Backend::Cpu) => {
+                    let found = probe.eval(wo, wi);
+                    (found.value.map(f64::from), f64::from(found.pdf))
+                }
+                (Precision::F64, Backend::Cpu) => probe.eval_on(Executor::Interp64, wo, wi)?,
+                (_, Backend::Gpu) => return Err(Fail::Usage("hair is computed on the CPU".to_string())),
+            };
+            if verb == Verb::Eval {
+                object.insert("value".to_string(), value.map(json::double).to_vec().into());
+            }
+            object.insert("pdf".to_string(), json::double(pdf));
+        }
+        Verb::Sample => {
+            let (wi, pdf, weight) = probe.sample(wo, args.xi);
+            object.insert("wi".to_string(), json::floats(wi));
+            object.insert("pdf".to_string(), json::float(pdf));
+            object.insert("weight".to_string(), json::floats(weight));
+        }
+        Verb::Albedo | Verb::Furnace => {
             let by_eval = probe.furnace_by_eval(wo);
             let by_sample = probe.furnace_by_sample(wo, args.samples);
             object.insert("by_eval".to_string(), by_eval.map(json::double).to_vec().into());

@@ -38,6 +38,8 @@ enum PartName {
     SurfaceEmission,
     BackfaceEmission,
     Volume,
+    VolumeScattering,
+    Hair,
 }
 
 /// Runs the command.
@@ -66,6 +68,8 @@ pub fn run(args: &Args) -> Result<(), Fail> {
             PartName::SurfaceEmission => Part::SurfaceEmission,
             PartName::BackfaceEmission => Part::BackfaceEmission,
             PartName::Volume => Part::Volume,
+            PartName::VolumeScattering => Part::VolumeScattering,
+            PartName::Hair => Part::Hair,
         };
         let code = material.code().code(part).ok_or_else(|| {
             Error::Name(format!("nothing varies in this part of `{}`: there is no code", material.name()))

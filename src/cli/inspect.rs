@@ -82,6 +82,19 @@ fn describe(material: &Material, out: &mut String) -> std::fmt::Result {
             program(&emission.edf, out)?;
         }
     }
+    if let Some(vdf) = &shaded.vdf {
+        writeln!(out, "\nvolume program")?;
+        program(vdf, out)?;
+    }
+    let hair = &shaded.inputs(Part::Hair).uniform;
+    if !hair.is_empty() {
+        writeln!(out, "\nhair")?;
+        let mut slot = 0;
+        for (name, count) in HAIR {
+            writeln!(out, "  {name} {:?}", &hair[slot..slot + count])?;
+            slot += count;
+        }
+    }
     Ok(())
 }
 
@@ -106,6 +119,18 @@ fn describe_measurement(file: &str, measurement: &Measurement, out: &mut String)
     }
     Ok(())
 }
+
+/// Names of the slots of the hair lobe, in order, with their numbers.
+const HAIR: [(&str, usize); 8] = [
+    ("tint", 3),
+    ("diffuse weight", 1),
+    ("diffuse tint", 3),
+    ("roughness of R", 2),
+    ("roughness of TT", 2),
+    ("roughness of TRT", 2),
+    ("cuticle angle", 1),
+    ("absorption coefficient, index of refraction", 4),
+];
 
 /// What a renderer needs for it on the shader ball.
 fn needs(needs: &Needs, out: &mut String) -> std::fmt::Result {

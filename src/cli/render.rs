@@ -55,10 +55,14 @@ pub struct Args {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
-    /// Most scattering events of a path
+    /// Most scattering events of a path at surfaces
     #[arg(long, value_name = "N", default_value_t = RenderSettings::default().max_bounces,
         value_parser = clap::value_parser!(u32).range(0..=1024))]
     bounces: u32,
+    /// Most scattering events of a path within volumes
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().max_volume_bounces,
+        value_parser = clap::value_parser!(u32).range(0..=65536))]
+    volume_bounces: u32,
     /// What renders
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
@@ -138,6 +142,7 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         seed: args.seed,
         threads: usize::from(args.threads.unwrap_or(0)),
         max_bounces: args.bounces,
+        max_volume_bounces: args.volume_bounces,
         time_limit: args.time,
         ..RenderSettings::default()
     };

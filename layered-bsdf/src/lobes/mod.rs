@@ -15,6 +15,7 @@ pub mod facets;
 pub mod ggx;
 pub mod ggx_albedo;
 pub mod glossy;
+pub mod hair;
 pub mod measured;
 pub mod microflake;
 pub mod multiscatter;

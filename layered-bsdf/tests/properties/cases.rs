@@ -120,9 +120,10 @@ enum Kind {
     ThinFilm,
     Layer,
     Emission,
+    Volume,
 }
 
-const KINDS: [Kind; 20] = [
+const KINDS: [Kind; 21] = [
     Kind::Black,
     Kind::DiffuseReflection,
     Kind::DiffuseTransmission,
@@ -143,6 +144,7 @@ const KINDS: [Kind; 20] = [
     Kind::ThinFilm,
     Kind::Layer,
     Kind::Emission,
+    Kind::Volume,
 ];
 
 fn kind_of(tree: &Tree<f32>) -> Kind {
@@ -168,6 +170,7 @@ fn kind_of(tree: &Tree<f32>) -> Kind {
         Tree::Layer { .. } => Kind::Layer,
         // These have tests of their own: they are no BSDFs.
         Tree::DiffuseEdf | Tree::SpotEdf { .. } => Kind::Emission,
+        Tree::AnisotropicVdf { .. } | Tree::FogVdf { .. } => Kind::Volume,
     }
 }
 
@@ -176,7 +179,7 @@ fn every_kind_of_node_is_a_case() {
     let list = cases();
     for kind in KINDS {
         let found = list.iter().any(|case| kind_of(&case.tree) == kind);
-        assert!(found || kind == Kind::Emission, "{kind:?} has no case");
+        assert!(found || matches!(kind, Kind::Emission | Kind::Volume), "{kind:?} has no case");
     }
 }
 
@@ -321,7 +324,7 @@ impl Kind {
             }
             Kind::ThinFilm => film_cases(list),
             Kind::Layer => layer_cases(list),
-            Kind::Emission => {}
+            Kind::Emission | Kind::Volume => {}
         }
     }
 }

@@ -11,6 +11,7 @@ mod corners;
 mod emission;
 mod energy;
 mod film;
+mod hair;
 mod limits;
 mod math;
 mod measured;
@@ -18,6 +19,7 @@ mod optional;
 mod reciprocity;
 mod sphere;
 mod text;
+mod volume;
 
 /// `f` of every item, on all cores, in order.
 fn parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {

@@ -10,7 +10,17 @@ fn the_library_is_valid_wgsl() {
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
     validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)));
-    for name in ["bsdf_eval", "bsdf_sample", "bsdf_albedo", "edf_eval", "edf_sample"] {
+    for name in [
+        "bsdf_eval",
+        "bsdf_sample",
+        "bsdf_albedo",
+        "edf_eval",
+        "edf_sample",
+        "vdf_eval",
+        "vdf_sample",
+        "hair_eval",
+        "hair_sample",
+    ] {
         assert!(module.functions.iter().any(|(_, f)| f.name.as_deref() == Some(name)), "{name} is missing");
     }
 }

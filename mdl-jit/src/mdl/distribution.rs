@@ -60,7 +60,7 @@ pub struct Distributions<'a, S> {
 }
 
 impl<S: Structure> Distributions<'_, S> {
-    /// The tree of a `bsdf` or `edf`.
+    /// The tree of a `bsdf`, `edf` or `vdf`.
     pub fn tree(&mut self, node: NodeId) -> Result<Tree<Param>, LowerError> {
         self.nested(node, 0)
     }
@@ -74,8 +74,11 @@ impl<S: Structure> Distributions<'_, S> {
             return Err(ProgramError::TooManyNodes.into());
         }
         let NodeKind::Op(op, args) = self.graph.graph.node(node).kind.clone() else {
-            // The only constant of these types is the default, which is black.
-            return Ok(Tree::Black);
+            // The only constant of these types is the default: black, or in volumes the same in all directions.
+            return Ok(match self.graph.graph.node(node).ty {
+                TypeId::VDF => Tree::AnisotropicVdf { directional_bias: Param::Const(0.0) },
+                _ => Tree::Black,
+            });
         };
         match op {
             Op::Select => self.conditional(&args, depth),
@@ -227,18 +230,20 @@ impl<S: Structure> Distributions<'_, S> {
                 self.layer(curve, weight, layer, base, normal, depth)?
             }
             ("normalized_mix" | "color_normalized_mix", &[components]) => {
-                self.mix(Mix::Normalized, components, depth)?
+                self.mix(Mix::Normalized, components, ty, depth)?
             }
             ("clamped_mix" | "color_clamped_mix", &[components]) => {
-                self.mix(Mix::Clamped, components, depth)?
+                self.mix(Mix::Clamped, components, ty, depth)?
             }
             ("unbounded_mix" | "color_unbounded_mix", &[components]) => {
-                self.mix(Mix::Unbounded, components, depth)?
+                self.mix(Mix::Unbounded, components, ty, depth)?
             }
             ("diffuse_edf", _) if ty == TypeId::EDF => Tree::DiffuseEdf,
             ("spot_edf", &[exponent, spread, global, frame, _]) => {
                 self.spot([exponent, spread, global, frame])?
             }
+            ("anisotropic_vdf", &[bias, _]) => Tree::AnisotropicVdf { directional_bias: self.float(bias) },
+            ("fog_vdf", &[size, _]) => Tree::FogVdf { particle_size: self.float(size) },
             ("measured_edf", &[profile, multiplier, global, frame, tangent, _]) => {
                 let is_global = self.structure.integer(self.graph, global)? != 0;
                 let seen = match is_global {
@@ -365,8 +370,14 @@ impl<S: Structure> Distributions<'_, S> {
     }
 
     /// A mix as a chain of layers.
-    fn mix(&mut self, mix: Mix, components: NodeId, depth: usize) -> Result<Tree<Param>, LowerError> {
-        let parts = self.components(components)?;
+    fn mix(
+        &mut self,
+        mix: Mix,
+        components: NodeId,
+        function: TypeId,
+        depth: usize,
+    ) -> Result<Tree<Param>, LowerError> {
+        let parts = self.components(components, function)?;
         let Some((first, _)) = parts.first() else { return Ok(Tree::Black) };
         let ty = self.graph.graph.node(*first).ty;
         let (zero, one) = (self.filled(0.0, ty), self.filled(1.0, ty));
@@ -415,16 +426,16 @@ impl<S: Structure> Distributions<'_, S> {
         })
     }
 
-    /// Weight and component of each element of an array of components.
-    fn components(&mut self, array: NodeId) -> Result<Vec<(NodeId, NodeId)>, LowerError> {
+    /// Weight and component of each element of an array of components, which are of the type `function`.
+    fn components(&mut self, array: NodeId, function: TypeId) -> Result<Vec<(NodeId, NodeId)>, LowerError> {
         let elements: Vec<NodeId> = match self.graph.graph.node(array).kind.clone() {
             NodeKind::Op(Op::Construct, elements) => elements,
             NodeKind::Constant(value) => {
-                // Constant components are default distribution functions, which are black.
+                // Constant components are default distribution functions.
                 return Ok(if value.elements().is_empty() {
                     Vec::new()
                 } else {
-                    self.black_components(&value)
+                    self.default_components(&value, function)
                 });
             }
             _ => {
@@ -436,7 +447,7 @@ impl<S: Structure> Distributions<'_, S> {
             match self.graph.graph.node(element).kind.clone() {
                 NodeKind::Op(Op::Construct, fields) => parts.push((fields[0], fields[1])),
                 NodeKind::Constant(value) => {
-                    let element = self.black_components(&Value::Compound([value].into()));
+                    let element = self.default_components(&Value::Compound([value].into()), function);
                     parts.extend(element);
                 }
                 _ => return Err(LowerError::Distribution("a computed component".to_string())),
@@ -462,13 +473,13 @@ impl<S: Structure> Distributions<'_, S> {
         Ok(colors)
     }
 
-    fn black_components(&mut self, array: &Value) -> Vec<(NodeId, NodeId)> {
+    fn default_components(&mut self, array: &Value, function: TypeId) -> Vec<(NodeId, NodeId)> {
         let mut parts = Vec::new();
         for element in array.elements() {
             let weight = element.elements()[0].clone();
             let ty = if weight.elements().is_empty() { TypeId::FLOAT } else { TypeId::COLOR };
             let weight = self.graph.constant(weight, ty);
-            parts.push((weight, self.graph.constant(Value::DefaultDf, TypeId::BSDF)));
+            parts.push((weight, self.graph.constant(Value::DefaultDf, function)));
         }
         parts
     }
@@ -508,7 +519,7 @@ impl<S: Structure> Distributions<'_, S> {
         })
     }
 
-    fn float(&self, node: NodeId) -> Param {
+    pub(super) fn float(&self, node: NodeId) -> Param {
         match self.graph.known(node) {
             Some(Value::Float(x)) => Param::Const(*x),
             _ => Param::Node(node, 0),
@@ -532,7 +543,16 @@ impl<S: Structure> Distributions<'_, S> {
         if self.graph.graph.node(node).ty == TypeId::FLOAT { self.gray(node) } else { self.color(node) }
     }
 
-    fn color(&self, node: NodeId) -> [Param; 3] {
+    /// The components of a `float2`.
+    pub(super) fn pair(&self, node: NodeId) -> [Param; 2] {
+        [0, 1].map(|i| match self.graph.known(node).map(Value::elements) {
+            Some([Value::Float(x), _]) if i == 0 => Param::Const(*x),
+            Some([_, Value::Float(y)]) if i == 1 => Param::Const(*y),
+            _ => Param::Node(node, i),
+        })
+    }
+
+    pub(super) fn color(&self, node: NodeId) -> [Param; 3] {
         match self.graph.known(node) {
             Some(Value::Compound(parts)) => [0, 1, 2].map(|i| match &parts[i] {
                 Value::Float(x) => Param::Const(*x),

@@ -34,8 +34,9 @@ pub struct CompiledMaterial {
     thin_walled: NodeId,
     surface: FacePlan,
     backface: Option<FacePlan>,
+    vdf: Option<LayerProgram>,
     /// In the order of [`Part::ALL`].
-    parts: [PartPlan; 7],
+    parts: [PartPlan; 9],
     structural: Vec<(NodeId, i32)>,
     warnings: Vec<String>,
 }
@@ -111,6 +112,11 @@ impl CompiledMaterial {
             true => Some(FaceTrees::new(&mut trees, &roots.backface, &roots.surface)?),
             false => None,
         };
+        let unless_zero =
+            |node: NodeId, graph: &GrowingGraph| graph.known(node) != Some(&Value::floats(&[0.0; 3]));
+        let scatters = unless_zero(roots.scattering_coefficient, trees.graph);
+        let vdf = scatters.then(|| trees.tree(roots.volume_scattering)).transpose()?;
+        let hair = trees.hair(roots.hair)?;
         let structural = decisions.taken;
         let leading = |node: NodeId, graph: &GrowingGraph| color_params(graph, node);
         let ior = leading(roots.ior, &graph);
@@ -136,7 +142,15 @@ impl CompiledMaterial {
         };
         let volume = [roots.absorption_coefficient, roots.scattering_coefficient];
         let volume = volume.into_iter().flat_map(|node| vector_outputs(&graph, node)).collect();
-        let lists: [Vec<Slot<Param>>; 7] = [
+        let vdf = vdf.as_ref().map(LayerProgram::new).transpose()?;
+        let glow = roots.volume_emission_intensity;
+        let in_volume = match &vdf {
+            Some((_, slots)) => outputs(leading(glow, &graph), slots.clone()),
+            None if unless_zero(glow, &graph) => vector_outputs(&graph, glow),
+            None => Vec::new(),
+        };
+        let vdf = vdf.map(|(program, _)| program);
+        let lists: [Vec<Slot<Param>>; 9] = [
             vec![Slot::Value(float_param(&graph, roots.cutout_opacity))],
             normal,
             scattering,
@@ -144,6 +158,8 @@ impl CompiledMaterial {
             emitted,
             back_emitted,
             volume,
+            in_volume,
+            hair.into_iter().flatten().map(Slot::Value).collect(),
         ];
         let programs = [
             None,
@@ -152,6 +168,8 @@ impl CompiledMaterial {
             backface.as_ref().map(|face| face.bsdf.clone()),
             surface.emission.clone(),
             backface.as_ref().and_then(|face| face.emission.clone()),
+            None,
+            vdf.clone(),
             None,
         ];
         let mut parts = Vec::new();
@@ -163,8 +181,9 @@ impl CompiledMaterial {
         decisive.extend(backface.iter().map(|face| face.mode));
         let uniform_nodes = uniform_nodes(&graph, &parts, &decisive);
         let uniform = UniformStage::new(&graph.graph, uniform_nodes, &mut strings)?;
-        let warnings = ignored_fields(&graph, material);
-        let Ok(parts) = parts.try_into() else { unreachable!("one plan per part") };
+        let Ok(parts): Result<[PartPlan; 9], _> = parts.try_into() else { unreachable!("one plan per part") };
+        let mut warnings = ignored_fields(&graph, material);
+        warnings.extend(uneven_volume(&parts, &material.name));
         Ok(Self {
             name: material.name.to_string(),
             graph,
@@ -173,6 +192,7 @@ impl CompiledMaterial {
             thin_walled: roots.thin_walled,
             surface,
             backface,
+            vdf,
             parts,
             structural,
             warnings,
@@ -228,6 +248,7 @@ impl CompiledMaterial {
             surface: face(&self.surface),
             backface: self.backface.as_ref().map(face),
             tables: Tables::default(),
+            vdf: self.vdf.clone(),
             inputs,
         }))
     }
@@ -383,6 +404,15 @@ pub(super) fn uniform_nodes(graph: &GrowingGraph, parts: &[PartPlan], others: &[
     nodes
 }
 
+/// Volumes are homogeneous: what varies in them counts as it is where a path enters, and parameters of a VDF not
+/// even so.
+fn uneven_volume(parts: &[PartPlan; 9], name: &str) -> Option<String> {
+    let varying = &parts[Part::VolumeScattering as usize].varying;
+    let varies = varying.iter().any(|&output| output as usize >= PROGRAM_OFFSET);
+    let text = "varies from point to point: volumes are homogeneous, so what varies in it counts as 0";
+    varies.then(|| format!("`volume.scattering` of material `{name}` {text}"))
+}
+
 /// Fields of the material that are set and have no effect yet.
 fn ignored_fields(graph: &GrowingGraph, material: &MaterialGraph) -> Vec<String> {
     let roots = &material.roots;
@@ -394,12 +424,6 @@ fn ignored_fields(graph: &GrowingGraph, material: &MaterialGraph) -> Vec<String>
     }
     if set(roots.hair, &Value::DefaultDf) {
         fields.push("hair");
-    }
-    if set(roots.volume_scattering, &Value::DefaultDf) || set(roots.scattering_coefficient, &zero3) {
-        fields.push("volume.scattering");
-    }
-    if set(roots.volume_emission_intensity, &zero3) {
-        fields.push("volume.emission_intensity");
     }
     let warn =
         |field| format!("`{field}` of material `{}` has no effect: it is not supported yet", material.name);

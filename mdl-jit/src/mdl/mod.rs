@@ -27,6 +27,7 @@ pub mod extend;
 pub mod fold;
 pub mod function;
 pub mod functions;
+pub mod hair;
 pub mod kernel;
 pub mod library;
 pub mod material;

@@ -24,4 +24,4 @@ pub mod triangle;
 pub use accel::Accel;
 pub use bounds::Bounds;
 pub use bvh::Bvh;
-pub use ray::{Hit, HitBatch, NO_HIT, Ray, RayBatch};
+pub use ray::{Hit, HitBatch, IN_VOLUME, NO_HIT, Ray, RayBatch};

@@ -4,6 +4,8 @@ use glam::Vec3;
 
 /// Marks that nothing was hit, as an instance or a primitive.
 pub const NO_HIT: u32 = u32::MAX;
+/// Marks that a path was scattered in a volume before it met anything, as an instance.
+pub const IN_VOLUME: u32 = u32::MAX - 1;
 
 /// A half-line `origin + t·direction`, 0 < t < `limit`. The direction need not have unit length.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,7 @@
-//! Stage *intersect*: what paths meet, what was absorbed on the way, and which cutouts they pass.
+//! Stage *intersect*: what paths meet, what volumes do on the way, and which cutouts and boundaries they pass.
 
 use super::Job;
+use super::distance::DistanceStage;
 use super::pool::Paths;
 use super::wave::Bounce;
 use crate::geometry::traverse::Stack;
@@ -19,10 +20,13 @@ const MOST_CUTOUTS: u32 = 10_000;
 pub struct Intersector {
     stack: Stack,
     pending: Vec<u32>,
+    /// Paths that went through a boundary.
+    passed: Vec<u32>,
     /// Paths that met a material with cutouts, with its slot.
     candidates: Vec<(u32, u32)>,
     numbers: [Vec<f32>; 1],
     opacity: Opacity,
+    distances: DistanceStage,
 }
 
 impl Intersector {
@@ -31,9 +35,11 @@ impl Intersector {
         Self {
             stack: job.accel.stack(),
             pending: Vec::new(),
+            passed: Vec::new(),
             candidates: Vec::new(),
             numbers: Default::default(),
             opacity: Opacity::default(),
+            distances: DistanceStage::default(),
         }
     }
 
@@ -48,34 +54,91 @@ impl Intersector {
     ) -> Result<(), InputFault> {
         job.accel.closest_batch(&paths.rays, live, &mut paths.hits, &mut self.stack);
         counters.rays += live.len() as u64;
-        if job.state.traveled {
-            self.pending.clear();
+        self.pending.clear();
+        if job.state.traveled || paths.media.is_some() {
             self.pending.extend(live);
-            for round in 0..MOST_CUTOUTS {
-                self.pass_cutouts(job, bounce, round, paths)?;
-                if self.pending.is_empty() {
-                    break;
-                }
-                job.accel.closest_batch(&paths.rays, &self.pending, &mut paths.hits, &mut self.stack);
-                counters.rays += self.pending.len() as u64;
-            }
         }
-        if let Some(media) = &paths.media {
-            for &path in live {
-                let path = path as usize;
-                let medium = media.current(path);
-                if medium.absorption != glam::Vec3::ZERO {
-                    let hit = paths.hits.instance[path] != NO_HIT;
-                    let distance = if hit { paths.hits.t[path] } else { f32::INFINITY };
-                    let throughput = paths.throughput.get(path) * medium.transmittance(distance);
-                    paths.throughput.set(path, throughput);
-                }
+        for round in 0..MOST_CUTOUTS {
+            self.attenuate(job, bounce, round, paths);
+            if !job.state.traveled {
+                break;
             }
+            self.pass(job, bounce, round, paths)?;
+            if self.pending.is_empty() {
+                break;
+            }
+            job.accel.closest_batch(&paths.rays, &self.pending, &mut paths.hits, &mut self.stack);
+            counters.rays += self.pending.len() as u64;
         }
         Ok(())
     }
 
-    /// Moves the paths in `pending` that go through what they met behind it; keeps only those.
+    /// What the volumes between the paths in `pending` and what they met do; keeps only those that get there.
+    fn attenuate(&mut self, job: &Job<'_>, bounce: &Bounce<'_>, round: u32, paths: &mut Paths) {
+        if job.state.inner {
+            self.distances.run(job, bounce, round, paths, &mut self.pending);
+            return;
+        }
+        let Some(media) = &paths.media else { return };
+        for &path in &self.pending {
+            let path = path as usize;
+            let medium = media.current(path);
+            if medium.absorption != glam::Vec3::ZERO {
+                let hit = paths.hits.instance[path] != NO_HIT;
+                let distance = if hit { paths.hits.t[path] } else { f32::INFINITY };
+                let throughput = paths.throughput.get(path) * medium.transmittance(distance);
+                paths.throughput.set(path, throughput);
+            }
+        }
+    }
+
+    /// Moves the paths in `pending` that go straight through what they met behind it; keeps only those.
+    fn pass(
+        &mut self,
+        job: &Job<'_>,
+        bounce: &Bounce<'_>,
+        round: u32,
+        paths: &mut Paths,
+    ) -> Result<(), InputFault> {
+        self.passed.clear();
+        if job.straight {
+            self.pass_boundaries(job, paths);
+        }
+        self.pass_cutouts(job, bounce, round, paths)?;
+        self.pending.append(&mut self.passed);
+        // In order, so that pictures do not depend on the materials' order.
+        self.pending.sort_unstable();
+        Ok(())
+    }
+
+    /// Moves paths through boundaries at which the index of refraction stays.
+    fn pass_boundaries(&mut self, job: &Job<'_>, paths: &mut Paths) {
+        let scene = job.shading.scene;
+        let passed = &mut self.passed;
+        self.pending.retain(|&path| {
+            let p = path as usize;
+            let hit = paths.hits.get(p);
+            if !hit.is_some() {
+                return false;
+            }
+            let slot = scene.slot(hit.instance, hit.primitive);
+            let Some(boundary) = &job.shading.shaders[slot as usize].straight else { return true };
+            let Some(media) = &mut paths.media else { return true };
+            let surface = scene.surface(&hit);
+            let direction = paths.rays.direction.get(p);
+            let back = surface.geometry_normal.dot(direction) > 0.0;
+            if media.pass(p, hit.instance, back, boundary.inside) {
+                paths.throughput.set(p, paths.throughput.get(p) * boundary.tint);
+                paths.traveled[p] += hit.t;
+                paths.rays.set(p, surface.point.leave(surface.geometry_normal, direction), direction);
+                passed.push(path);
+                return false;
+            }
+            true
+        });
+    }
+
+    /// Moves the paths in `pending` that go through cutouts behind them; keeps only those.
     fn pass_cutouts(
         &mut self,
         job: &Job<'_>,
@@ -99,7 +162,7 @@ impl Intersector {
         self.pending.clear();
         self.pending.extend(self.candidates.iter().map(|&(_, path)| path));
         if round == 0 {
-            bounce.pass.draw(cutout(bounce.index), bounce.pixel_seeds, &self.pending, &mut self.numbers);
+            bounce.draw(cutout(bounce.index), &self.pending, &mut self.numbers);
         } else {
             let salt = (bounce.index as u32) << 16 | round;
             let number = |&path: &u32| Sampler::independent(bounce.seed(path), bounce.sample(path), salt);
@@ -116,10 +179,6 @@ impl Intersector {
                     let surface = &self.opacity.surfaces[row];
                     let p = path as usize;
                     let direction = paths.rays.direction.get(p);
-                    if let Some(media) = &paths.media {
-                        let passed = media.current(p).transmittance(paths.hits.t[p]);
-                        paths.throughput.set(p, paths.throughput.get(p) * passed);
-                    }
                     paths.traveled[p] += paths.hits.t[p];
                     let origin = surface.point.leave(surface.geometry_normal, direction);
                     paths.rays.set(p, origin, direction);

@@ -3,12 +3,13 @@
 use super::Job;
 use super::media::Medium;
 use super::pool::Paths;
-use super::setup::{Point, SetupStage};
+use super::setup::Point;
 use super::wave::{Bounce, is_finite};
+use crate::geometry::offset::BoundedPoint;
 use crate::lights::{LightSample, Source, mis_weight};
 use crate::sampler::{Sampler, light};
 use crate::settings::Strategy;
-use crate::shading::{EmissionQuery, Emitters, Face, mean};
+use crate::shading::{EmissionQuery, Emitters};
 use glam::Vec3;
 use mdl_jit::material::InputFault;
 
@@ -37,13 +38,6 @@ pub struct LightStage {
     values: Vec<Vec3>,
     /// Weights of emission that was hit.
     weights: Vec<f32>,
-}
-
-/// Basic radiance L/n² of radiance L in a medium.
-#[inline(always)]
-fn basic(medium: &Medium) -> f32 {
-    let n = mean(medium.ior);
-    1.0 / (n * n)
 }
 
 /// Weight of light that a path found by scattering with density `pdf`, where sampling has `light_pdf`.
@@ -119,7 +113,7 @@ impl LightStage {
         }
         for ((&path, &value), &weight) in self.paths.iter().zip(&self.values).zip(&self.weights) {
             let path = path as usize;
-            let scale = paths.media.as_ref().map_or(1.0, |media| basic(&media.current(path)));
+            let scale = paths.media.as_ref().map_or(1.0, |media| media.current(path).basic());
             let light = paths.throughput.get(path) * value * (weight * scale);
             if is_finite(light) {
                 paths.radiance.set(path, paths.radiance.get(path) + light);
@@ -130,36 +124,37 @@ impl LightStage {
         Ok(())
     }
 
-    /// Samples a light for each point that shows `face`.
+    /// Samples nothing.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+    }
+
+    /// Samples a light for each receiver, a path and where it is.
     pub fn sample(
         &mut self,
         job: &Job<'_>,
         bounce: &Bounce<'_>,
-        face: &Face,
-        setup: &SetupStage,
-        back: bool,
+        receivers: impl Iterator<Item = (u32, BoundedPoint)> + Clone,
         emitters: &mut Emitters,
     ) -> Result<(), InputFault> {
         self.samples.clear();
-        if face.is_specular || !job.lights.any() || job.settings.strategy == Strategy::BsdfOnly {
+        if !job.lights.any() || job.settings.strategy == Strategy::BsdfOnly {
             return Ok(());
         }
-        let rows = setup.rows(back);
         self.paths.clear();
-        self.paths.extend(rows.iter().map(|&row| setup.points[row as usize].path));
-        bounce.pass.draw(light(bounce.index), bounce.pixel_seeds, &self.paths, &mut self.numbers);
+        self.paths.extend(receivers.clone().map(|(path, _)| path));
+        bounce.draw(light(bounce.index), &self.paths, &mut self.numbers);
         let many = job.lights.count() > MANY_LIGHTS;
         self.pending.clear();
-        for (i, &row) in rows.iter().enumerate() {
-            let point = &setup.points[row as usize];
+        for (i, (path, point)) in receivers.enumerate() {
             let u = [self.numbers[0][i], self.numbers[1][i]];
             let mut choice = f64::from(self.numbers[2][i]);
             if many {
                 let salt = 0x8000_0000 | bounce.index as u32;
-                let fine = Sampler::independent(bounce.seed(point.path), bounce.sample(point.path), salt);
+                let fine = Sampler::independent(bounce.seed(path), bounce.sample(path), salt);
                 choice += f64::from(fine) / f64::from(1 << 24);
             }
-            let sample = job.lights.sample(&job.shading, &point.surface.point, choice, u);
+            let sample = job.lights.sample(&job.shading, &point, choice, u);
             let radiance = match sample.map(|s| s.source) {
                 None => Vec3::ZERO,
                 Some(Source::Far(radiance)) => radiance,
@@ -196,11 +191,14 @@ impl LightStage {
     }
 }
 
-/// What a light sample sends through the medium at a point: its radiance, absorbed, as basic radiance.
+/// What a light sample sends through the medium at a point: its radiance, absorbed, as basic radiance. Where
+/// boundaries may be passed straight, shadow rays find out what absorbs.
 #[inline]
-pub fn arriving(lit: &Lit, sample: &LightSample, medium: &Medium) -> Vec3 {
-    match sample.source {
-        Source::Far(_) => lit.radiance * medium.transmittance(f32::INFINITY),
-        Source::Surface { distance, .. } => lit.radiance * medium.transmittance(distance) * basic(medium),
-    }
+pub fn arriving(job: &Job<'_>, lit: &Lit, sample: &LightSample, medium: &Medium) -> Vec3 {
+    let (distance, scale) = match sample.source {
+        Source::Far(_) => (f32::INFINITY, 1.0),
+        Source::Surface { distance, .. } => (distance, medium.basic()),
+    };
+    let passed = if job.straight { Vec3::ONE } else { medium.transmittance(distance) };
+    lit.radiance * passed * scale
 }

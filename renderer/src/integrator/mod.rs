@@ -7,19 +7,27 @@
 //! generate → ( intersect → setup → inputs → light → scatter → shadow → accumulate )* → film
 //! ```
 //!
+//! Where volumes scatter, intersect also decides how far paths fly in them, and the stage *volume* takes the place of
+//! setup to scatter for those that are scattered before they meet a surface.
+//!
 //! State lies in columns and exists only as far as the scene needs it ([`pool`]). Paths are ordered by
 //! material before they are shaded, so that a material's inputs are computed for many points at once. What
 //! a path carries is *basic* radiance, L/n², so no stage but emission knows about indices of refraction.
 //!
 //! A wave depends on nothing but its tile and samples; that is why pictures do not depend on threads.
 
+pub mod distance;
+pub mod enclosing;
 pub mod intersect;
 pub mod light;
+pub mod lure;
 pub mod media;
+pub mod medium;
 pub mod pool;
 pub mod scatter;
 pub mod setup;
 pub mod shadow;
+pub mod volume;
 pub mod wave;
 
 use crate::camera::CameraRays;
@@ -28,6 +36,7 @@ use crate::lights::Lights;
 use crate::sampler::Sampler;
 use crate::settings::RenderSettings;
 use crate::shading::Shading;
+use media::Medium;
 
 /// All that waves read.
 pub struct Job<'a> {
@@ -47,6 +56,25 @@ pub struct Job<'a> {
     pub state: pool::PathFields,
     /// Length of a ray that leaves the scene from anywhere inside.
     pub far: f32,
+    /// Some boundaries may be passed straight.
+    pub straight: bool,
+    /// Volumes that the camera is in, the outermost first: instances with their media.
+    pub start: Vec<(u32, Medium)>,
+    /// By instance: whether light samples may reach its inside. Empty if volumes do not scatter.
+    pub lit: Vec<bool>,
+}
+
+impl Job<'_> {
+    /// Most scattering events of a path, of all kinds.
+    pub fn most_events(&self) -> usize {
+        let inside = if self.state.inner { self.settings.max_volume_bounces } else { 0 };
+        self.settings.max_bounces as usize + inside as usize
+    }
+
+    /// What a path is multiplied by, for the camera sees radiance, not basic radiance: n² of where it is.
+    pub fn camera_scale(&self) -> f32 {
+        self.start.last().map_or(1.0, |(_, medium)| 1.0 / medium.basic())
+    }
 }
 
 /// What went wrong with a sample.

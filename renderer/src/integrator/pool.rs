@@ -1,6 +1,6 @@
 //! The state of paths, in columns that exist only if the scene needs them.
 
-use super::media::Media;
+use super::media::{Media, Medium};
 use crate::geometry::ray::Vec3Column;
 use crate::geometry::{HitBatch, RayBatch};
 
@@ -9,6 +9,8 @@ use crate::geometry::{HitBatch, RayBatch};
 pub struct PathFields {
     /// Volumes that a path is in: a material's interior can be entered.
     pub media: bool,
+    /// What volumes that scatter or emit need, and how often a path was scattered at surfaces.
+    pub inner: bool,
     /// Distance since the last scattering: rays pass cutouts.
     pub traveled: bool,
     /// Coverage: the environment is not seen.
@@ -18,6 +20,8 @@ pub struct PathFields {
 impl PathFields {
     /// Bytes of a path that every scene needs.
     pub const COMMON_BYTES: usize = 24 + 20 + 12 + 12 + 4 + 1;
+    /// Bytes of a path that can be scattered in volumes.
+    pub const INNER_BYTES: usize = Media::INNER_BYTES + 4;
     /// Bytes of a path for the distance since the last scattering.
     pub const TRAVELED_BYTES: usize = 4;
     /// Bytes of a path for its coverage.
@@ -27,6 +31,7 @@ impl PathFields {
     pub fn bytes(self) -> usize {
         Self::COMMON_BYTES
             + if self.media { Media::BYTES } else { 0 }
+            + if self.inner { Self::INNER_BYTES } else { 0 }
             + if self.traveled { Self::TRAVELED_BYTES } else { 0 }
             + if self.alpha { Self::ALPHA_BYTES } else { 0 }
     }
@@ -49,6 +54,8 @@ pub struct Paths {
     pub valid: Vec<bool>,
     /// Distance since the last scattering, up to the origin of the ray.
     pub traveled: Vec<f32>,
+    /// Scattering events at surfaces.
+    pub bounces: Vec<u32>,
     /// Coverage.
     pub alpha: Vec<f32>,
     /// Volumes that it is in.
@@ -58,8 +65,8 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Makes room for `len` new paths.
-    pub fn reset(&mut self, len: usize, fields: PathFields) {
+    /// Makes room for `len` new paths, which begin in the volumes of `start`.
+    pub fn reset(&mut self, len: usize, fields: PathFields, start: &[(u32, Medium)]) {
         self.rays.resize(len);
         self.hits.resize(len);
         self.throughput.resize(len);
@@ -78,12 +85,16 @@ impl Paths {
             self.traveled.resize(len, 0.0);
             self.traveled.fill(0.0);
         }
+        if fields.inner {
+            self.bounces.resize(len, 0);
+            self.bounces.fill(0);
+        }
         if fields.alpha {
             self.alpha.resize(len, 1.0);
             self.alpha.fill(1.0);
         }
         if fields.media {
-            self.media.get_or_insert_default().reset(len);
+            self.media.get_or_insert_default().reset(len, fields.inner, start);
         }
     }
 
@@ -109,14 +120,15 @@ mod tests {
     #[test]
     fn bytes_are_those_of_the_columns() {
         for (media, traveled, alpha) in [(false, false, false), (true, false, true), (true, true, true)] {
-            let fields = PathFields { media, traveled, alpha };
+            let fields = PathFields { media, inner: media && traveled, traveled, alpha };
             let mut paths = Paths::default();
-            paths.reset(10, fields);
+            paths.reset(10, fields, &[]);
             let rays = 4 * 6 * paths.rays.len();
             let hits = 4 * 5 * paths.hits.t.len();
             let colours = 4 * 3 * (paths.throughput.len() + paths.radiance.len());
-            let scalars =
-                4 * (paths.pdf.len() + paths.traveled.len() + paths.alpha.len()) + paths.valid.len();
+            let scalars = 4
+                * (paths.pdf.len() + paths.traveled.len() + paths.bounces.len() + paths.alpha.len())
+                + paths.valid.len();
             let media = paths.media.as_ref().map_or(0, Media::bytes);
             assert_eq!(rays + hits + colours + scalars + media, 10 * fields.bytes());
         }

@@ -57,10 +57,10 @@ impl ScatterStage {
         let rows = group.setup.rows(group.back);
         self.paths.clear();
         self.paths.extend(rows.iter().map(|&row| group.setup.points[row as usize].path));
-        bounce.pass.draw(scatter(bounce.index), bounce.pixel_seeds, &self.paths, &mut self.numbers);
+        bounce.draw(scatter(bounce.index), &self.paths, &mut self.numbers);
         let roulette_on = job.settings.roulette_after.is_some_and(|after| bounce.index + 1 > after as usize);
         if roulette_on {
-            bounce.pass.draw(roulette(bounce.index), bounce.pixel_seeds, &self.paths, &mut self.roulette);
+            bounce.draw(roulette(bounce.index), &self.paths, &mut self.roulette);
         }
         let mut own =
             self.own.take().unwrap_or_else(|| Box::new((group.face.program.clone(), group.face.params)));
@@ -78,7 +78,7 @@ impl ScatterStage {
             {
                 let light = direct(job, program, params, point, wo, sample);
                 let medium = if sample.direction.dot(point.side()) < 0.0 { &point.far } else { &point.near };
-                let light = light * arriving(lit, sample, medium);
+                let light = light * arriving(job, lit, sample, medium);
                 self.cast(job, group, point, sample, light, paths, shadow);
             }
             let u = vec3f(self.numbers[0][i], self.numbers[1][i], self.numbers[2][i]);
@@ -122,6 +122,11 @@ impl ScatterStage {
             }
         };
         shadow.push(point.path, origin, target - origin, light);
+        if job.straight {
+            let crosses = sample.direction.dot(side) < 0.0 && point.bsdf.flags & POINT_THIN_WALLED == 0;
+            let boundary = (point.surface.instance, point.back, point.far);
+            shadow.push_media(paths, path, sample, crosses.then_some(boundary));
+        }
     }
 
     /// Continues a path with a sample of its BSDF; false if it ends.
@@ -148,17 +153,15 @@ impl ScatterStage {
         if brightest <= 0.0 {
             return false;
         }
-        if let Some(u) = survival {
-            let q = brightest.clamp(LEAST_SURVIVAL, 1.0);
-            if u >= q {
-                return false;
-            }
-            throughput *= 1.0 / q;
-        }
+        let Some(share) = survive(brightest, survival) else { return false };
+        throughput *= share;
         paths.throughput.set(path, throughput);
         paths.pdf[path] = sample.pdf;
         if job.state.traveled {
             paths.traveled[path] = 0.0;
+        }
+        if job.state.inner {
+            paths.bounces[path] += 1;
         }
         let transmitted = sample.event & EVENT_TRANSMISSION != 0;
         let side = if transmitted { -point.side() } else { point.side() };
@@ -181,6 +184,14 @@ impl ScatterStage {
             self.forgotten_volumes += 1;
         }
     }
+}
+
+/// Russian roulette: what the throughput is multiplied by if the path goes on.
+#[inline]
+pub fn survive(brightest: f32, u: Option<f32>) -> Option<f32> {
+    let Some(u) = u else { return Some(1.0) };
+    let q = brightest.clamp(LEAST_SURVIVAL, 1.0);
+    (u < q).then_some(1.0 / q)
 }
 
 /// BSDF times weight over density of a light sample.

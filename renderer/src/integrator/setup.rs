@@ -59,6 +59,7 @@ pub struct SetupStage {
     state: StateBatch,
     normal_columns: Vec<Vec<f32>>,
     volume_columns: Vec<Vec<f32>>,
+    inner_columns: Vec<Vec<f32>>,
 }
 
 impl SetupStage {
@@ -86,6 +87,11 @@ impl SetupStage {
                 far: Medium::VACUUM,
             }
         }));
+    }
+
+    /// Forgets the points of paths that are to end.
+    pub fn keep(&mut self, goes_on: impl Fn(u32) -> bool) {
+        self.points.retain(|point| goes_on(point.path));
     }
 
     /// Normals and frames of all points.
@@ -152,17 +158,28 @@ impl SetupStage {
         let inputs = shader.material.inputs(shader.face(back).part);
         inputs.run(&self.state, job.shading.runtime, &mut self.columns)?;
         let volume = shader.material.inputs(Part::Volume);
+        let inner = shader.material.inputs(Part::VolumeScattering);
+        let has_inner = shader.scattering.is_some() || shader.glows;
         if shader.has_interior {
             volume.run(&self.state, job.shading.runtime, &mut self.volume_columns)?;
         }
+        if has_inner {
+            inner.run(&self.state, job.shading.runtime, &mut self.inner_columns)?;
+        }
+        let meters = job.shading.runtime.meters_per_unit;
         let thin = shader.material.thin_walled;
         for &row in &self.rows[usize::from(back)] {
             let row = row as usize;
             let point = &mut self.points[row];
-            let mut own = Medium { ior: sane_ior(inputs.value3(&self.columns, 0, row)), ..Medium::VACUUM };
+            let mut coefficients = [[0.0; 3]; 3];
             if shader.has_interior {
-                own.absorption = Vec3::from(volume.value3(&self.volume_columns, 0, row)).max(Vec3::ZERO);
+                coefficients[0] = volume.value3(&self.volume_columns, 0, row);
             }
+            if has_inner {
+                coefficients[1] = volume.value3(&self.volume_columns, 3, row);
+                coefficients[2] = inner.value3(&self.inner_columns, 0, row);
+            }
+            let own = Medium::new(inputs.value3(&self.columns, 0, row), coefficients, slot, meters);
             (point.near, point.far) = sides(paths, point, own, thin);
             let flags = match (thin, point.back) {
                 (true, _) => POINT_THIN_WALLED,
@@ -195,10 +212,4 @@ fn sides(paths: &Paths, point: &Point, own: Medium, thin: bool) -> (Medium, Medi
         // The path began inside, or the surface is not closed.
         _ => (own, current),
     }
-}
-
-/// An index that is not positive is no index.
-#[inline]
-fn sane_ior(ior: [f32; 3]) -> Vec3 {
-    Vec3::from(ior.map(|n| if n > 0.0 && n < 1e3 { n } else { 1.0 }))
 }

@@ -6,11 +6,13 @@ use super::pool::Paths;
 use super::scatter::{Group, ScatterStage};
 use super::setup::SetupStage;
 use super::shadow::ShadowStage;
+use super::volume::{Targets, VolumeStage};
 use super::{Counters, Fault, Job};
 use crate::film::TileFilm;
-use crate::sampler::{LENS, PIXEL, Pass};
+use crate::sampler::{LENS, PIXEL, Pass, Sampler};
 use crate::shading::Emitters;
 use glam::Vec3;
+use layered_bsdf::math::{hash_combine, hash_u32};
 use mdl_jit::material::InputFault;
 
 /// Points that are shaded together: their state fits the second-level cache.
@@ -32,6 +34,7 @@ pub struct Wave {
     light: LightStage,
     scatter: ScatterStage,
     shadow: ShadowStage,
+    volume: VolumeStage,
     emitters: Emitters,
     /// What was counted.
     pub counters: Counters,
@@ -45,6 +48,8 @@ pub struct Bounce<'a> {
     pub pixel_seeds: &'a [u32],
     /// Scattering events before this one.
     pub index: usize,
+    /// Events that the sampler has columns for.
+    pub sampled: usize,
 }
 
 impl Bounce<'_> {
@@ -52,6 +57,32 @@ impl Bounce<'_> {
     #[inline]
     pub fn seed(&self, path: u32) -> u32 {
         self.pixel_seeds[path as usize >> self.pass.log_samples]
+    }
+
+    /// Random numbers of `N` columns for paths; behind the columns of the sampler they are independent.
+    pub fn draw<const N: usize>(&self, column: usize, paths: &[u32], out: &mut [Vec<f32>; N]) {
+        if self.index < self.sampled {
+            return self.pass.draw(column, self.pixel_seeds, paths, out);
+        }
+        self.independent(hash_u32(column as u32), paths, out);
+    }
+
+    /// Random numbers of a flight: channel and distance.
+    pub fn draw_flight(&self, job: &Job<'_>, round: u32, paths: &[u32], out: &mut [Vec<f32>; 2]) {
+        if round == 0 && self.index < self.sampled {
+            return self.pass.draw(job.sampler.flight(self.index), self.pixel_seeds, paths, out);
+        }
+        self.independent(hash_combine(hash_u32(0x666c_6967 ^ self.index as u32), round), paths, out);
+    }
+
+    /// Independent random numbers; other salts have others.
+    fn independent<const N: usize>(&self, salt: u32, paths: &[u32], out: &mut [Vec<f32>; N]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let salt = salt.wrapping_add(i as u32);
+            let number = |&path: &u32| Sampler::independent(self.seed(path), self.sample(path), salt);
+            out.clear();
+            out.extend(paths.iter().map(number));
+        }
     }
 
     /// The sample that a path is.
@@ -77,6 +108,7 @@ impl Wave {
             light: LightStage::default(),
             scatter: ScatterStage::default(),
             shadow: ShadowStage::new(job),
+            volume: VolumeStage::new(job),
             emitters: Emitters::new(&job.shading),
             counters: Counters::default(),
         }
@@ -86,8 +118,8 @@ impl Wave {
     pub fn run(&mut self, job: &Job<'_>, pass: &Pass, tile: &mut TileFilm) -> Result<(), InputFault> {
         self.generate(job, pass, tile);
         let seeds = std::mem::take(&mut self.pixel_seeds);
-        for index in 0..=job.settings.max_bounces as usize {
-            let bounce = Bounce { pass, pixel_seeds: &seeds, index };
+        for index in 0..=job.most_events() {
+            let bounce = Bounce { pass, pixel_seeds: &seeds, index, sampled: job.sampler.bounces };
             self.bounce(job, &bounce, tile)?;
             if self.live.is_empty() {
                 break;
@@ -101,7 +133,8 @@ impl Wave {
     /// Stage *generate*: rays of the camera.
     fn generate(&mut self, job: &Job<'_>, pass: &Pass, tile: &TileFilm) {
         let count = tile.pixels.len() << pass.log_samples;
-        self.paths.reset(count, job.state);
+        self.paths.reset(count, job.state, &job.start);
+        let throughput = job.camera_scale();
         self.live.clear();
         self.live.extend(0..count as u32);
         self.pixel_seeds.clear();
@@ -127,17 +160,34 @@ impl Wave {
             };
             let ray = job.camera.ray(film, lens);
             self.paths.rays.set(path, ray.origin, ray.direction);
+            if throughput != 1.0 {
+                self.paths.throughput.set(path, Vec3::splat(throughput));
+            }
         }
         self.counters.samples += count as u64;
     }
 
     /// One scattering event of all live paths; afterwards `live` are those that go on.
     fn bounce(&mut self, job: &Job<'_>, bounce: &Bounce<'_>, tile: &TileFilm) -> Result<(), InputFault> {
-        let last = bounce.index == job.settings.max_bounces as usize;
+        let last = bounce.index == job.most_events();
         self.intersector.run(job, bounce, &mut self.paths, &self.live, &mut self.counters)?;
-        self.sorted.fill(job, bounce, &mut self.paths, &self.live);
         self.next.clear();
         self.shadow.clear();
+        if job.state.inner {
+            self.volume.take(&self.paths, &mut self.live);
+            let targets = Targets { shadow: &mut self.shadow, next: &mut self.next };
+            if !last {
+                self.volume.run(
+                    job,
+                    bounce,
+                    &mut self.paths,
+                    &mut self.light,
+                    &mut self.emitters,
+                    targets,
+                )?;
+            }
+        }
+        self.sorted.fill(job, bounce, &mut self.paths, &self.live);
         let sorted = std::mem::take(&mut self.sorted);
         for slot in 0..sorted.slots() {
             let shader = &job.shading.shaders[slot as usize];
@@ -150,6 +200,9 @@ impl Wave {
                 self.light.emission(job, slot, points, &mut self.paths, &mut self.emitters)?;
                 if last {
                     continue;
+                }
+                if job.state.inner {
+                    self.setup.keep(|path| self.paths.bounces[path as usize] < job.settings.max_bounces);
                 }
                 self.setup.run(job, slot, &self.paths)?;
                 for back in [false, true] {
@@ -174,7 +227,16 @@ impl Wave {
             return Ok(());
         }
         self.setup.inputs(job, slot, back, &self.paths)?;
-        self.light.sample(job, bounce, face, &self.setup, back, &mut self.emitters)?;
+        if face.is_specular {
+            self.light.clear();
+        } else {
+            let point = |&row: &u32| {
+                let point = &self.setup.points[row as usize];
+                (point.path, point.surface.point)
+            };
+            let receivers = self.setup.rows(back).iter().map(point);
+            self.light.sample(job, bounce, receivers, &mut self.emitters)?;
+        }
         let group = Group { slot, face, setup: &self.setup, light: &self.light, back };
         self.scatter.run(job, bounce, &group, &mut self.paths, &mut self.shadow, &mut self.next);
         self.counters.forgotten_volumes += std::mem::take(&mut self.scatter.forgotten_volumes);

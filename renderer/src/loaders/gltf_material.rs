@@ -65,6 +65,8 @@ pub(super) fn material(m: &Material<'_>, notes: &mut Vec<String>) -> ConstantMat
             AlphaMode::Blend => alpha.clamp(0.0, 1.0),
             AlphaMode::Mask => f32::from(alpha >= m.alpha_cutoff().unwrap_or(0.5)),
         },
+        volume_scattering: None,
+        volume_emission: [0.0; 3],
         absorption: m.volume().map_or([0.0; 3], absorption),
     }
 }

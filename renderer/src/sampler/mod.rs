@@ -11,6 +11,7 @@
 //! | 4 + 8b + 3 | Russian roulette at bounce b | padded |
 //! | 4 + 8b + 4, +5, +6 | light at bounce b: place, choice | joint if b = 0 |
 //! | 4 + 8b + 7 | cutout at bounce b | padded |
+//! | behind these, +2b, +1 | flight before bounce b: channel, distance | padded, if volumes scatter |
 //!
 //! The joint net is one genuine net of eight or ten dimensions: integrands of camera and first bounce
 //! converge as such nets do. Beyond, each bounce has two nets of four dimensions with indices shuffled
@@ -58,6 +59,9 @@ pub const fn cutout(bounce: usize) -> usize {
     scatter(bounce) + 7
 }
 
+/// Columns of flights at a bounce, if volumes scatter.
+const FLIGHT_COLUMNS: usize = 2;
+
 /// What decides every random number.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
@@ -67,6 +71,8 @@ pub struct Sampler {
     pub lens: bool,
     /// Bounces with columns.
     pub bounces: usize,
+    /// Whether volumes scatter.
+    pub volumes: bool,
 }
 
 /// Where the points of a column come from.
@@ -84,6 +90,10 @@ impl Sampler {
             // Without a lens its columns are not drawn.
             return joint(if column < LENS { column } else { 6 + column });
         }
+        if let Some(flight) = column.checked_sub(self.flight(0)) {
+            let (bounce, dimension) = (flight / FLIGHT_COLUMNS, flight % FLIGHT_COLUMNS);
+            return Source { net: (1 + 2 * self.bounces.max(1) + bounce) as u32, dimension };
+        }
         let (bounce, part) = ((column - CAMERA_COLUMNS) / BOUNCE_COLUMNS, (column - CAMERA_COLUMNS) % 8);
         if bounce == 0 {
             match part {
@@ -99,7 +109,12 @@ impl Sampler {
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        CAMERA_COLUMNS + BOUNCE_COLUMNS * self.bounces.max(1)
+        self.flight(if self.volumes { self.bounces.max(1) } else { 0 })
+    }
+
+    /// Flight through a volume before bounce `bounce`: two columns, channel and distance.
+    pub fn flight(&self, bounce: usize) -> usize {
+        CAMERA_COLUMNS + BOUNCE_COLUMNS * self.bounces.max(1) + FLIGHT_COLUMNS * bounce
     }
 
     /// What the scrambles of a pixel start from, for samples around `index`.

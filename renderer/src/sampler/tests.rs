@@ -2,7 +2,7 @@
 
 use super::*;
 
-const SAMPLER: Sampler = Sampler { seed: 7, lens: true, bounces: 4 };
+const SAMPLER: Sampler = Sampler { seed: 7, lens: true, bounces: 4, volumes: true };
 
 /// Root mean square error of the mean over randomisations (pixels) of an integrand of some columns.
 fn rmse<const D: usize>(columns: [usize; D], samples: u64, exact: f64, f: impl Fn([f64; D]) -> f64) -> f64 {

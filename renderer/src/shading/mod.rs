@@ -8,7 +8,7 @@ pub mod state;
 
 pub use emission::{EmissionQuery, Emitters};
 pub use frame::ShadingFrame;
-pub use shader::{Emitter, Face, Shader};
+pub use shader::{Emitter, Face, Shader, StraightBoundary, VolumeScattering};
 
 use crate::scene::Scene;
 use glam::Vec3;

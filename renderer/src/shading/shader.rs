@@ -1,5 +1,7 @@
 //! A material with its programs in the form that the evaluator takes.
 
+use crate::integrator::media::Medium;
+use glam::Vec3;
 use layered_bsdf::prelude::{MAX_PARAMS, Params, Program};
 use mdl_jit::material::{Emission, IntensityMode, Material, Part};
 use mdl_jit::state::{StateField, StateFields};
@@ -39,6 +41,24 @@ pub struct Face {
     pub has_tangents: bool,
 }
 
+/// A boundary that light crosses without a turn wherever the index of refraction does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct StraightBoundary {
+    /// Share of light that passes.
+    pub tint: Vec3,
+    /// What it encloses.
+    pub inside: Medium,
+}
+
+/// How a volume scatters.
+#[derive(Clone)]
+pub struct VolumeScattering {
+    /// The phase function.
+    pub program: Program,
+    /// Its parameters.
+    pub params: Params,
+}
+
 /// A material ready to shade.
 #[derive(Clone)]
 pub struct Shader {
@@ -52,6 +72,12 @@ pub struct Shader {
     pub has_normal: bool,
     /// The surface bounds a volume that light can enter.
     pub has_interior: bool,
+    /// The boundary does nothing but enclose a volume that is the same everywhere.
+    pub straight: Option<StraightBoundary>,
+    /// How the volume scatters, if it does.
+    pub scattering: Option<Box<VolumeScattering>>,
+    /// The volume emits.
+    pub glows: bool,
     /// What scattering, normal and volume ask of the state.
     pub fields: StateFields,
     /// What emission, cutout included, asks of the state.
@@ -59,19 +85,31 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// For a material.
-    pub fn new(material: Arc<Material>) -> Self {
+    /// For the material in slot `slot`, in a scene with units of `meters`.
+    pub fn new(material: Arc<Material>, slot: u32, meters: f32) -> Self {
         let front = Box::new(face(&material, false));
         let back = material.backface.as_ref().map(|_| Box::new(face(&material, true)));
         let fields = |parts: &[Part]| {
             parts.iter().fold(StateFields::NONE, |all, &part| all.union(material.inputs(part).state))
         };
         let transmits = front.transmits || back.as_ref().is_some_and(|face| face.transmits);
+        let has_interior = !material.thin_walled && transmits;
+        let scattering =
+            material.vdf.as_ref().filter(|_| has_interior && may_exceed_zero(&material, Part::Volume, 3));
         Self {
+            straight: straight(&material, slot, meters),
+            scattering: scattering.map(|vdf| Box::new(volume_scattering(&material, vdf))),
+            glows: has_interior && may_exceed_zero(&material, Part::VolumeScattering, 0),
             has_cutout: material.has_cutout(),
             has_normal: material.has_normal(),
-            has_interior: !material.thin_walled && transmits,
-            fields: fields(&[Part::Normal, Part::Surface, Part::Backface, Part::Volume]),
+            has_interior,
+            fields: fields(&[
+                Part::Normal,
+                Part::Surface,
+                Part::Backface,
+                Part::Volume,
+                Part::VolumeScattering,
+            ]),
             emission_fields: fields(&[Part::SurfaceEmission, Part::BackfaceEmission, Part::Cutout]),
             front,
             back,
@@ -152,5 +190,39 @@ fn emitter(material: &Material, emission: &Emission, part: Part) -> Option<Emitt
         params,
         part,
         is_power: emission.mode == IntensityMode::Power,
+    })
+}
+
+/// Whether any of the three outputs from `first` on can be positive.
+fn may_exceed_zero(material: &Material, part: Part, first: usize) -> bool {
+    let inputs = material.inputs(part);
+    let outputs = first..(first + 3).min(inputs.uniform.len());
+    outputs.clone().any(|output| inputs.uniform[output] > 0.0)
+        || inputs.varying.iter().any(|&output| outputs.contains(&(output as usize)))
+}
+
+fn volume_scattering(material: &Material, vdf: &layered_bsdf::prelude::LayerProgram) -> VolumeScattering {
+    let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
+    material.inputs(Part::VolumeScattering).load(&mut params);
+    VolumeScattering { program: vdf.to_program(), params }
+}
+
+/// The boundary of a material that is nothing but a specular lobe which transmits.
+fn straight(material: &Material, slot: u32, meters: f32) -> Option<StraightBoundary> {
+    use layered_bsdf::lobes::MODE_REFLECT;
+    use layered_bsdf::nodes::{FLAG_FILM, OP_MASK, OP_SPECULAR};
+    let [node] = material.surface.bsdf.nodes() else { return None };
+    let transmits = node.x & OP_MASK == OP_SPECULAR && node.x & FLAG_FILM == 0 && node.w != MODE_REFLECT;
+    let parts = [Part::Surface, Part::Volume, Part::VolumeScattering];
+    let uniform = parts.into_iter().all(|part| material.inputs(part).is_uniform());
+    let plain = !material.thin_walled && !material.emits() && !material.has_cutout();
+    let surface = &material.inputs(Part::Surface).uniform;
+    let tint = Vec3::from_slice(surface.get(3..6)?);
+    let inside = Medium::uniform(material, slot, meters);
+    // Another index turns light nearly everywhere, so such boundaries would only cost time.
+    (transmits && uniform && plain && inside.ior == Vec3::ONE).then(|| StraightBoundary {
+        // A NaN counts as 0, as for the evaluator.
+        tint: tint.max(Vec3::ZERO).min(Vec3::ONE),
+        inside,
     })
 }
