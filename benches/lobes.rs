@@ -2,10 +2,13 @@
 //! that the lobe itself samples, and nanoseconds per call of the native evaluator. Prints rows of
 //! `docs/accuracy.md`.
 //!
-//! `cargo bench --bench lobes`
+//! `cargo bench --bench lobes`; with `UPDATE_DOCS=1` the table in the docs is replaced.
+
+mod support;
 
 use layered_bsdf::prelude::*;
 use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+use std::fmt::Write;
 use std::time::Instant;
 
 /// Pairs of directions per row.
@@ -16,8 +19,10 @@ const LEAVES: usize = 10;
 fn main() {
     let quick = std::env::args().any(|arg| arg == "--test");
     let code = Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"));
-    println!("| lobe | error of f: median, worst | of the density: median, worst | eval, ns | sample, ns |");
-    println!("|---|---|---|---|---|");
+    let mut table = String::from(
+        "| lobe | error of f: median, worst | of the density: median, worst | energy at 60° | eval and pdf, ns | sample, ns |\n\
+         |---|---|---|---|---|---|\n",
+    );
     for (name, tree, point) in lobes().into_iter().take(if quick { 2 } else { usize::MAX }) {
         let mut lobe = Lobe::new(&tree, point);
         let pairs = lobe.pairs();
@@ -32,11 +37,15 @@ fn main() {
             let mut draw = |i: usize| lobe.sample(pairs[i].0, numbers(i)).pdf;
             (0..pairs.len()).map(|i| f64::from(draw(i))).sum()
         });
-        println!(
-            "| {name} | {:.0e}, {:.0e} | {:.0e}, {:.0e} | {eval:.0} | {sample:.0} |",
+        let energy = lobe.energy(if quick { 16 } else { 1 << 18 });
+        writeln!(
+            table,
+            "| {name} | {:.0e}, {:.0e} | {:.0e}, {:.0e} | {energy:.4} | {eval:.0} | {sample:.0} |",
             f.0, f.1, pdf.0, pdf.1
-        );
+        )
+        .expect("writing to a string succeeds");
     }
+    support::publish("lobes", &table);
 }
 
 /// A tree laid out.
@@ -60,6 +69,13 @@ impl Lobe {
 
     fn sample(&mut self, wo: Vec3f, u: [f32; 3]) -> BsdfSample {
         bsdf_sample(&mut self.program, &mut self.params, self.point, wo, vec3f(u[0], u[1], u[2]))
+    }
+
+    /// The share of energy that is scattered, seen at 60°.
+    fn energy(&mut self, samples: usize) -> f64 {
+        let wo = vec3f(0.75f32.sqrt(), 0.0, 0.5);
+        let weight = |i| f64::from(self.sample(wo, numbers(i)).weight.y);
+        (0..samples).map(weight).sum::<f64>() / samples as f64
     }
 
     /// Views at cosines from 1 to 1e-6, each with a direction that is sampled for it.
@@ -151,7 +167,7 @@ fn nanoseconds(rounds: usize, mut run: impl FnMut() -> f64) -> f64 {
 fn glossy(model: GlossyModel, alpha: f32, mode: ScatterMode) -> Tree<f32> {
     Tree::Glossy {
         model,
-        tint: [0.9; 3],
+        tint: [1.0; 3],
         multiscatter_tint: None,
         roughness_u: alpha,
         roughness_v: alpha,
@@ -166,11 +182,11 @@ fn lobes() -> Vec<(String, Tree<f32>, ShadingPoint)> {
         let ior = |x: f32| vec3f(x, x, x);
         shading_point(vec3f(0.0, 0.0, 1.0), ior(near), ior(far), 0)
     };
-    let diffuse = |roughness| Tree::DiffuseReflection { tint: [0.8; 3], roughness, multiscatter_tint: None };
+    let diffuse = |roughness| Tree::DiffuseReflection { tint: [1.0; 3], roughness, multiscatter_tint: None };
     let mut list = vec![
         ("diffuse".to_string(), diffuse(0.0), at(1.0, 1.5)),
         ("diffuse, rough".to_string(), diffuse(0.7), at(1.0, 1.5)),
-        ("sheen 0.3".to_string(), Tree::Sheen { tint: [0.9; 3], roughness: 0.3 }, at(1.0, 1.5)),
+        ("sheen 0.3".to_string(), Tree::Sheen { tint: [1.0; 3], roughness: 0.3 }, at(1.0, 1.5)),
     ];
     for alpha in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
         let tree = glossy(GlossyModel::GgxSmith, alpha, ScatterMode::Reflect);

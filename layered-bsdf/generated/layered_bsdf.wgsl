@@ -1817,6 +1817,10 @@ fn layer_curve(
     let op = (n.x & OP_MASK);
     let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
     let slot = (n.y + SLOT_LAYER_CURVE);
+    if (op == OP_FRESNEL_LAYER) {
+        let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+    }
     let at_seen = (weight * layer_value(n, p, point, seen));
     let at_lit = (weight * layer_value(n, p, point, lit));
     if ((op == OP_SHEEN_LAYER) || (op == OP_MICROFLAKE_LAYER)) {

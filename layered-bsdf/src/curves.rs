@@ -261,6 +261,16 @@ pub mod code {
         let op = n.x & OP_MASK;
         let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
         let slot = n.y + SLOT_LAYER_CURVE;
+        if op == OP_FRESNEL_LAYER {
+            // The most common curve, which the following would find out three times.
+            let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+            return LayerCurve {
+                seen: weight * fresnel_dielectric(seen, eta),
+                lit: weight * fresnel_dielectric(lit, eta),
+                half: weight * fresnel_dielectric(half, eta),
+                front: splat3(0.0),
+            };
+        }
         let at_seen = weight * layer_value(n, p, point, seen);
         let at_lit = weight * layer_value(n, p, point, lit);
         if op == OP_SHEEN_LAYER || op == OP_MICROFLAKE_LAYER {

@@ -11,6 +11,7 @@ mod corners;
 mod emission;
 mod energy;
 mod film;
+mod fresnel;
 mod hair;
 mod limits;
 mod math;
