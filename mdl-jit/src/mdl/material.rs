@@ -425,7 +425,6 @@ fn ignored_fields(graph: &GrowingGraph, material: &MaterialGraph) -> Vec<String>
     if set(roots.hair, &Value::DefaultDf) {
         fields.push("hair");
     }
-    let warn =
-        |field| format!("`{field}` of material `{}` has no effect: it is not supported yet", material.name);
+    let warn = |field| format!("`{field}` of material `{}` has no effect in pictures yet", material.name);
     fields.into_iter().map(warn).collect()
 }
