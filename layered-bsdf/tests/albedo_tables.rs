@@ -5,6 +5,7 @@
 //! A table has rows by roughness and columns by angle. Its layers: reflection without Fresnel; then, for 16
 //! indices of refraction, reflection and transmission from outside, and from inside.
 
+use layered_bsdf::lobes::microflake::microflake_albedo;
 use layered_bsdf::prelude::*;
 use std::path::Path;
 
@@ -206,6 +207,40 @@ fn reflection_is_that_of_the_tables() {
     let sheen = |roughness| Tree::Sheen { tint: [1.0; 3], roughness };
     failures.extend(compare("sink_vc", 0, sheen, point(1.0, 1.5)));
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The albedo of sheen is a published fit (S. Hill's) to a simulated volume, `sheen_reference`: 32 rows by cosine
+/// and columns by roughness, from 0 to 1. What the fit cannot do, grazing views of small roughness, is known.
+#[test]
+fn sheen_is_near_the_simulated_volume() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured/sheen_reference");
+    let path = folder.join("brdf_reflectance_sheen_volume.npy");
+    let Ok(bytes) = std::fs::read(&path) else {
+        eprintln!("skipped: {} is not there", path.display());
+        return;
+    };
+    const SIZE: usize = 32;
+    let data = &bytes[bytes.len() - 8 * SIZE * SIZE..];
+    let value = |row: usize, column: usize| {
+        let at = 8 * (row * SIZE + column);
+        f64::from_le_bytes(std::array::from_fn(|byte| data[at + byte]))
+    };
+    let place = |index: usize| index as f32 / (SIZE - 1) as f32;
+    let (mut sum, mut worst, mut count) = (0.0, (0.0f64, 0, 0), 0);
+    for row in 1..SIZE {
+        for column in 2..SIZE {
+            let ours = microflake_albedo(place(column), place(row));
+            let error = (f64::from(ours) - value(row, column)).abs();
+            sum += error;
+            count += 1;
+            if error > worst.0 {
+                worst = (error, row, column);
+            }
+        }
+    }
+    let mean = sum / f64::from(count);
+    println!("sheen: mean error {mean:.1e}, worst {worst:?}");
+    assert!(mean < 3e-3 && worst.0 < 0.045, "mean error {mean:.1e}, worst {worst:?}");
 }
 
 #[test]
