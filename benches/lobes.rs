@@ -7,18 +7,15 @@
 mod support;
 
 use layered_bsdf::prelude::*;
-use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+use mdl_jit::{Executor, Scatterer, evaluator};
 use std::fmt::Write;
 use std::time::Instant;
 
 /// Pairs of directions per row.
 const PAIRS: usize = 2000;
-/// Leaves of a result: diffuse, glossy, density, specular.
-const LEAVES: usize = 10;
 
 fn main() {
     let quick = std::env::args().any(|arg| arg == "--test");
-    let code = Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"));
     let mut table = String::from(
         "| lobe | error of f: median, worst | of the density: median, worst | energy at 60° | eval and pdf, ns | sample, ns |\n\
          |---|---|---|---|---|---|\n",
@@ -27,7 +24,7 @@ fn main() {
         let mut lobe = Lobe::new(&tree, point);
         let pairs = lobe.pairs();
         let single: Vec<_> = pairs.iter().map(|(wo, wi)| lobe.eval(*wo, *wi)).collect();
-        let double = precise(&code, &tree, point, &pairs);
+        let double = precise(&tree, point, &pairs);
         let f = errors(single.iter().zip(&double).map(|((f, _), (exact, _))| (*f, *exact)));
         let pdf = errors(single.iter().zip(&double).map(|((_, p), (_, exact))| (*p, *exact)));
         let rounds = if quick { 1 } else { 40 };
@@ -104,46 +101,16 @@ fn numbers(index: usize) -> [f32; 3] {
 }
 
 /// The same values by the interpreter in `f64`.
-fn precise(code: &Code, tree: &Tree<f32>, point: ShadingPoint, pairs: &[(Vec3f, Vec3f)]) -> Vec<(f64, f64)> {
-    let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
-    let program = program.to_program();
-    let mut words = vec![program.count];
-    words.extend(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
-    let params: Vec<u32> = params.v.iter().map(|x| x.to_bits()).collect();
-    let vectors = [point.geometry_normal, point.ior_near, point.ior_far];
-    let vectors = vectors.into_iter().flat_map(|v| [v.x, v.y, v.z]);
-    let mut at: Vec<Input<'_>> = vectors.chain([point.near, point.far, point.eta]).map(Input::F32).collect();
-    at.push(Input::U32(point.flags));
-    let axes = |of: fn(&(Vec3f, Vec3f)) -> Vec3f| {
-        let all: Vec<Vec3f> = pairs.iter().map(of).collect();
-        [
-            all.iter().map(|w| w.x).collect(),
-            all.iter().map(|w| w.y).collect(),
-            all.iter().map(|w| w.z).collect(),
-        ]
-    };
-    let (wo, wi): ([Vec<f32>; 3], [Vec<f32>; 3]) = (axes(|pair| pair.0), axes(|pair| pair.1));
-    let leaves = |w: &'_ [Vec<f32>; 3]| w.iter().map(|axis| axis.to_vec()).collect::<Vec<_>>();
-    let (wo, wi) = (leaves(&wo), leaves(&wi));
-    let args = vec![
-        Argument::Words(&words),
-        Argument::Words(&params),
-        Argument::Leaves(at),
-        Argument::Leaves(wo.iter().map(|axis| Input::F32s(axis)).collect()),
-        Argument::Leaves(wi.iter().map(|axis| Input::F32s(axis)).collect()),
-    ];
-    let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
-    let modes = vec![table.clone(), table, ArgMode::Value(Mode::Uniform), varying.clone(), varying];
-    let mut wide = vec![vec![0f64; pairs.len()]; LEAVES];
-    let outputs = wide.iter_mut().map(|column| Output::F64(column)).collect();
-    let mut batch = Batch { len: pairs.len(), args, outputs, ..Batch::default() };
-    let function = code.function("bsdf_eval").expect("the library has an evaluator");
-    let (signature, options) = (Signature { args: modes }, Options::default());
-    Executor::Interp64
-        .execute(&code.module, &code.info, function, &signature, &options, &mut batch)
-        .unwrap_or_else(|e| panic!("{e}"));
-    drop(batch);
-    (0..pairs.len()).map(|i| (wide[1][i] + wide[4][i], wide[6][i])).collect()
+fn precise(tree: &Tree<f32>, point: ShadingPoint, pairs: &[(Vec3f, Vec3f)]) -> Vec<(f64, f64)> {
+    let (layers, params) = LayerProgram::with_values(tree).expect("a small tree");
+    let code = evaluator(&layers, &["bsdf_eval"]).unwrap_or_else(|e| panic!("{e}"));
+    let program = layers.to_program();
+    let scatterer = Scatterer { program: Some(&program), params: &params, point: Some(&point) };
+    let array = |w: Vec3f| [w.x, w.y, w.z];
+    let (wo, wi): (Vec<_>, Vec<_>) = pairs.iter().map(|(wo, wi)| (array(*wo), array(*wi))).unzip();
+    let columns =
+        scatterer.run(&code, "bsdf_eval", Executor::Interp64, &wo, &wi).unwrap_or_else(|e| panic!("{e}"));
+    (0..pairs.len()).map(|i| (columns[1][i] + columns[4][i], columns[6][i])).collect()
 }
 
 /// Median and worst relative error.

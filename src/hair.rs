@@ -7,7 +7,7 @@ use crate::material::Material;
 use crate::probe::{Evaluation, SurfacePoint, evaluate_inputs};
 use layered_bsdf::prelude::*;
 use mdl_jit::material::Part;
-use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Signature};
+use mdl_jit::{Executor, Scatterer};
 use std::f64::consts::{PI, TAU};
 
 /// A material's hair at one point. Directions have unit length.
@@ -45,25 +45,10 @@ impl HairProbe {
         wi: [f32; 3],
     ) -> Result<([f64; 3], f64), Error> {
         let failed = |e: &dyn std::fmt::Display| Error::Setting(e.to_string());
-        let library = mdl_jit::Program::from_wgsl(&layered_bsdf::wgsl::source()).map_err(|e| failed(&e))?;
-        let function = library.function("hair_eval").expect("the library has hair");
-        let params: Vec<u32> = self.params.v.iter().map(|x| x.to_bits()).collect();
-        let direction = |v: [f32; 3]| Argument::Leaves(v.map(Input::F32).to_vec());
-        let args = vec![Argument::Words(&params), direction(wo), direction(wi)];
-        let uniform = ArgMode::Value(Mode::Uniform);
-        let signature = Signature { args: vec![ArgMode::Table(Mode::Uniform), uniform.clone(), uniform] };
-        let (mut narrow, mut wide) = ([[0f32; 1]; 4], [[0f64; 1]; 4]);
-        let precise = matches!(executor, Executor::Interp64);
-        let outputs = match precise {
-            true => wide.iter_mut().map(|column| Output::F64(column)).collect(),
-            false => narrow.iter_mut().map(|column| Output::F32(column)).collect(),
-        };
-        let mut batch = Batch { len: 1, args, outputs, ..Batch::default() };
-        executor
-            .execute(&library.module, &library.info, function, &signature, &Options::default(), &mut batch)
-            .map_err(|e| failed(&e))?;
-        drop(batch);
-        let leaf = |i: usize| if precise { wide[i][0] } else { f64::from(narrow[i][0]) };
+        let library = mdl_jit::evaluator::library().map_err(|e| failed(&e))?;
+        let scatterer = Scatterer { program: None, params: &self.params, point: None };
+        let columns = scatterer.run(library, "hair_eval", executor, &[wo], &[wi]).map_err(|e| failed(&e))?;
+        let leaf = |i: usize| columns[i][0];
         Ok(([0, 1, 2].map(leaf), leaf(3)))
     }
 

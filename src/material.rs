@@ -10,7 +10,7 @@ use layered_bsdf::prelude::{BsdfOptions, MAX_PARAMS, Params};
 use mdl_frontend::graph::{MaterialGraph, Mode, Parameter, Resource, ResourceKind};
 use mdl_frontend::value::Value;
 use mdl_frontend::{Argument, Failure};
-use mdl_jit::material::{PROGRAM_OFFSET, Part};
+use mdl_jit::material::PROGRAM_OFFSET;
 use mdl_jit::mdl::CompiledMaterial;
 use std::sync::{Arc, OnceLock};
 
@@ -128,13 +128,12 @@ impl Material {
     /// be, in sentences.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.code.warnings().to_vec();
-        let backface = self.shaded.backface.as_ref().map(|face| (face, Part::Backface));
-        for (face, part) in [(&self.shaded.surface, Part::Surface)].into_iter().chain(backface) {
+        for (part, program) in self.shaded.programs() {
             let inputs = self.shaded.inputs(part);
             let mut params = Params { v: [0.0; MAX_PARAMS as usize] };
             inputs.load(&mut params);
             let varies = |slot: usize| inputs.varying.contains(&((slot + PROGRAM_OFFSET) as u32));
-            let complaints = face.bsdf.complaints(&params, varies);
+            let complaints = program.complaints(&params, varies);
             warnings.extend(complaints.into_iter().map(|text| format!("`{}`: {text}", self.name())));
         }
         warnings

@@ -5,7 +5,7 @@ use crate::material::Material;
 use layered_bsdf::prelude::*;
 use mdl_jit::material::{PROGRAM_OFFSET, Part, Runtime};
 use mdl_jit::state::{StateBatch, StateField};
-use mdl_jit::{ArgMode, Argument, Batch, Buffer, Executor, Input, Mode, Options, Output, Signature};
+use mdl_jit::{Executor, Scatterer};
 use std::f64::consts::{PI, TAU};
 
 /// A point of a surface in its own frame: x and y are the texture tangents, z the normal.
@@ -52,6 +52,7 @@ pub struct Sample {
 /// A material's BSDF at one point. Directions are in the frame of the point and have unit length.
 #[derive(Clone)]
 pub struct Probe {
+    layers: LayerProgram,
     program: Program,
     params: Params,
     point: ShadingPoint,
@@ -72,7 +73,8 @@ impl Probe {
         let flags =
             if shaded.thin_walled { POINT_THIN_WALLED } else { 0 } | if at.inside { POINT_INSIDE } else { 0 };
         let point = shading_point(vec3f(0.0, 0.0, 1.0), near, far, flags);
-        Ok(Self { program: face.bsdf.with_tables(&shaded.tables), params, point })
+        let layers = face.bsdf.clone();
+        Ok(Self { program: layers.with_tables(&shaded.tables), layers, params, point })
     }
 
     /// Value and density. Specular lobes have neither.
@@ -90,48 +92,15 @@ impl Probe {
         wi: [f32; 3],
     ) -> Result<([f64; 3], f64), Error> {
         let failed = |e: &dyn std::fmt::Display| Error::Setting(e.to_string());
-        let tables = &self.program.tables;
-        let source = match tables.is_empty() {
-            true => layered_bsdf::wgsl::source(),
-            false => layered_bsdf::wgsl::source_with_tables(),
-        };
-        let library = mdl_jit::Program::from_wgsl(&source).map_err(|e| failed(&e))?;
-        let words = tables.words().ok_or_else(|| failed(&"its measurements are too large for a buffer"))?;
-        let global = library.global("table_words");
-        let buffers = global.map(|global| Buffer { global, words: &words }).into_iter().collect();
-        let function = library.function("bsdf_eval").expect("the library has an evaluator");
-        let mut program = vec![self.program.count];
-        program.extend(self.program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
-        let params: Vec<u32> = self.params.v.iter().map(|x| x.to_bits()).collect();
-        let p = &self.point;
-        let vectors = [p.geometry_normal, p.ior_near, p.ior_far].into_iter().flat_map(array);
-        let mut point: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
-        point.push(Input::U32(p.flags));
-        let direction = |v: [f32; 3]| Argument::Leaves(v.map(Input::F32).to_vec());
-        let args = vec![
-            Argument::Words(&program),
-            Argument::Words(&params),
-            Argument::Leaves(point),
-            direction(wo),
-            direction(wi),
-        ];
-        let uniform = ArgMode::Value(Mode::Uniform);
-        let table = ArgMode::Table(Mode::Uniform);
-        let signature =
-            Signature { args: vec![table.clone(), table, uniform.clone(), uniform.clone(), uniform] };
+        if self.program.tables.words().is_none() {
+            return Err(failed(&"its measurements are too large for a buffer"));
+        }
+        let code = mdl_jit::evaluator(&self.layers, &["bsdf_eval"]).map_err(|e| failed(&e))?;
+        let scatterer =
+            Scatterer { program: Some(&self.program), params: &self.params, point: Some(&self.point) };
+        let columns = scatterer.run(&code, "bsdf_eval", executor, &[wo], &[wi]).map_err(|e| failed(&e))?;
         // Diffuse, glossy, density, specular.
-        let (mut narrow, mut wide) = ([[0f32; 1]; 10], [[0f64; 1]; 10]);
-        let precise = matches!(executor, Executor::Interp64);
-        let outputs = match precise {
-            true => wide.iter_mut().map(|column| Output::F64(column)).collect(),
-            false => narrow.iter_mut().map(|column| Output::F32(column)).collect(),
-        };
-        let mut batch = Batch { len: 1, args, outputs, buffers, ..Batch::default() };
-        executor
-            .execute(&library.module, &library.info, function, &signature, &Options::default(), &mut batch)
-            .map_err(|e| failed(&e))?;
-        drop(batch);
-        let leaf = |i: usize| if precise { wide[i][0] } else { f64::from(narrow[i][0]) };
+        let leaf = |i: usize| columns[i][0];
         Ok(([0, 1, 2].map(|i| leaf(i) + leaf(i + 3)), leaf(6)))
     }
 

@@ -4,10 +4,8 @@
 use layered_bsdf::measured::{MeasuredSide, Measurement};
 use layered_bsdf::picture::picture_table;
 use layered_bsdf::prelude::*;
-use mdl_jit::{
-    ArgMode, Argument, Batch, Buffer, Executor, Input, Mode, Options, Output, Program as Code, Signature,
-    evaluator,
-};
+use mdl_jit::evaluator::{self, Scatterer, evaluator};
+use mdl_jit::{Executor, Program as Code};
 use std::sync::Arc;
 
 /// Pairs of directions per tree.
@@ -210,54 +208,12 @@ fn pairs(function: &str) -> Vec<([f32; 3], [f32; 3])> {
 
 fn run(code: &Code, executor: Executor<'_>, function: &str, tree: &Tree<f32>) -> Rows {
     let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
-    let program = program.to_program();
-    let mut words = vec![program.count];
-    words.extend(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
-    let params: Vec<u32> = params.v.iter().map(|x| x.to_bits()).collect();
-    let p = point();
-    let vectors = [p.geometry_normal, p.ior_near, p.ior_far].into_iter().flat_map(|v| [v.x, v.y, v.z]);
-    let mut at: Vec<Input<'_>> = vectors.chain([p.near, p.far, p.eta]).map(Input::F32).collect();
-    at.push(Input::U32(p.flags));
-    let pairs = pairs(function);
-    let wo: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(wo, _)| wo[axis]).collect());
-    let wi: [Vec<f32>; 3] = [0, 1, 2].map(|axis| pairs.iter().map(|(_, wi)| wi[axis]).collect());
-    let (wo, wi) = (wo.each_ref().map(Vec::as_slice), wi.each_ref().map(Vec::as_slice));
-    let args = vec![
-        Argument::Words(&words),
-        Argument::Words(&params),
-        Argument::Leaves(at),
-        Argument::Leaves(wo.map(Input::F32s).to_vec()),
-        Argument::Leaves(wi.map(Input::F32s).to_vec()),
-    ];
-    let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
-    let modes = vec![table.clone(), table, ArgMode::Value(Mode::Uniform), varying.clone(), varying];
-    let precise = matches!(executor, Executor::Interp64);
-    let floats = if function == SAMPLE { 7 } else { LEAVES };
-    let (mut narrow, mut wide) = (vec![vec![0f32; PAIRS]; floats], vec![vec![0f64; PAIRS]; floats]);
-    let mut event = vec![0u32; PAIRS];
-    let mut outputs: Vec<Output<'_>> = match precise {
-        true => wide.iter_mut().map(|c| Output::F64(c)).collect(),
-        false => narrow.iter_mut().map(|c| Output::F32(c)).collect(),
-    };
-    if function == SAMPLE {
-        outputs.push(Output::U32(&mut event));
-    }
-    let words = tables().words().expect("small tables");
-    let global = code.global("table_words");
-    let buffers = global.map(|global| Buffer { global, words: &words }).into_iter().collect();
-    let mut batch = Batch { len: PAIRS, args, outputs, buffers, ..Batch::default() };
-    let handle = code.function(function).expect("the library has an evaluator");
-    let signature = Signature { args: modes };
-    executor
-        .execute(&code.module, &code.info, handle, &signature, &Options::default(), &mut batch)
-        .unwrap_or_else(|e| panic!("{e}"));
-    drop(batch);
-    let leaf = |l: usize, i: usize| match l {
-        7 if function == SAMPLE => f64::from(event[i]),
-        _ if l >= floats => 0.0,
-        _ if precise => wide[l][i],
-        _ => f64::from(narrow[l][i]),
-    };
+    let program = program.with_tables(&tables());
+    let point = point();
+    let scatterer = Scatterer { program: Some(&program), params: &params, point: Some(&point) };
+    let (first, second): (Vec<_>, Vec<_>) = pairs(function).into_iter().unzip();
+    let columns = scatterer.run(code, function, executor, &first, &second).unwrap_or_else(|e| panic!("{e}"));
+    let leaf = |l: usize, i: usize| columns.get(l).map_or(0.0, |column| column[i]);
     (0..PAIRS).map(|i| std::array::from_fn(|l| leaf(l, i))).collect()
 }
 
@@ -283,8 +239,8 @@ fn check(name: &str, a: &Rows, b: &Rows, tolerance: f64) -> Result<(), String> {
     }
 }
 
-fn library() -> Code {
-    Code::from_wgsl(&layered_bsdf::wgsl::source_with_tables()).unwrap_or_else(|e| panic!("{e}"))
+fn library() -> &'static Code {
+    evaluator::library().unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The part of the library that `tree` needs.
@@ -300,7 +256,7 @@ fn native_code_interpreter_and_lanes_agree_bit_for_bit() {
         for (name, tree) in trees() {
             let name = format!("{name}, {function}");
             let code = needed(function, &tree);
-            let whole = run(&library, Executor::Interp32, function, &tree);
+            let whole = run(library, Executor::Interp32, function, &tree);
             let part = run(&code, Executor::Interp32, function, &tree);
             let lanes = run(&code, Executor::Cpu, function, &tree);
             for (other, tolerance) in [(native(function, &tree), EXACT), (part, EXACT), (lanes, LANES)] {
@@ -339,7 +295,7 @@ fn compute_kernels_agree() {
     // One module for all: a driver may take a minute to compile one.
     let library = library();
     for (name, tree) in trees() {
-        let kernel = run(&library, Executor::Gpu(&context), EVAL, &tree);
+        let kernel = run(library, Executor::Gpu(&context), EVAL, &tree);
         check(name, &native(EVAL, &tree), &kernel, GPU).unwrap_or_else(|e| panic!("{e}"));
     }
 }

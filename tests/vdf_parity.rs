@@ -2,14 +2,10 @@
 //! lanes on the CPU, and a compute kernel. They must say the same.
 
 use layered_bsdf::prelude::*;
-use mdl_jit::{ArgMode, Argument, Batch, Executor, Input, Mode, Options, Output, Program as Code, Signature};
+use mdl_jit::{Executor, Scatterer, evaluator};
 
 /// Pairs of directions per tree.
 const PAIRS: usize = 259;
-/// Leaves of `vdf_eval`: value, density.
-const EVAL: usize = 4;
-/// Leaves of `vdf_sample`: direction, density, weight.
-const SAMPLE: usize = 7;
 /// `f32` against `f64`: a few units in the last place, times the power 3/2 of the distance to a peak.
 const PRECISION: f64 = 2e-6;
 /// A GPU has its own division and square root, and may contract products and sums.
@@ -85,44 +81,18 @@ fn sampled(samples: &[Vec<f64>]) -> Vec<([f32; 3], [f32; 3])> {
 }
 
 fn run(
-    code: &Code,
     function: &str,
-    leaves: usize,
     executor: Executor<'_>,
     tree: &Tree<f32>,
     rows: &[([f32; 3], [f32; 3])],
 ) -> Vec<Vec<f64>> {
     let (program, params) = LayerProgram::with_values(tree).expect("a small tree");
+    let code = evaluator(&program, &[function]).unwrap_or_else(|e| panic!("{e}"));
     let program = program.to_program();
-    let mut words = vec![program.count];
-    words.extend(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]));
-    let params: Vec<u32> = params.v.iter().map(|x| x.to_bits()).collect();
-    let first: [Vec<f32>; 3] = [0, 1, 2].map(|axis| rows.iter().map(|(a, _)| a[axis]).collect());
-    let second: [Vec<f32>; 3] = [0, 1, 2].map(|axis| rows.iter().map(|(_, b)| b[axis]).collect());
-    let (first, second) = (first.each_ref().map(Vec::as_slice), second.each_ref().map(Vec::as_slice));
-    let args = vec![
-        Argument::Words(&words),
-        Argument::Words(&params),
-        Argument::Leaves(first.map(Input::F32s).to_vec()),
-        Argument::Leaves(second.map(Input::F32s).to_vec()),
-    ];
-    let (table, varying) = (ArgMode::Table(Mode::Uniform), ArgMode::Value(Mode::Varying));
-    let signature = Signature { args: vec![table.clone(), table, varying.clone(), varying] };
-    let precise = matches!(executor, Executor::Interp64);
-    let (mut narrow, mut wide) = (vec![vec![0f32; PAIRS]; leaves], vec![vec![0f64; PAIRS]; leaves]);
-    let outputs = match precise {
-        true => wide.iter_mut().map(|c| Output::F64(c)).collect(),
-        false => narrow.iter_mut().map(|c| Output::F32(c)).collect(),
-    };
-    let mut batch = Batch { len: PAIRS, args, outputs, ..Batch::default() };
-    let function = code.function(function).expect("the library has it");
-    let options = Options::default();
-    executor
-        .execute(&code.module, &code.info, function, &signature, &options, &mut batch)
-        .unwrap_or_else(|e| panic!("{e}"));
-    drop(batch);
-    let leaf = |l: usize, i: usize| if precise { wide[l][i] } else { f64::from(narrow[l][i]) };
-    (0..PAIRS).map(|i| (0..leaves).map(|l| leaf(l, i)).collect()).collect()
+    let scatterer = Scatterer { program: Some(&program), params: &params, point: None };
+    let (first, second): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
+    let columns = scatterer.run(&code, function, executor, &first, &second).unwrap_or_else(|e| panic!("{e}"));
+    (0..rows.len()).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
 }
 
 /// Fails at the first leaf that differs by more than `tolerance`, relative to the larger.
@@ -138,22 +108,16 @@ fn check(name: &str, a: &[Vec<f64>], b: &[Vec<f64>], tolerance: f64) -> Result<(
     Ok(())
 }
 
-fn library() -> Code {
-    Code::from_wgsl(&layered_bsdf::wgsl::source()).unwrap_or_else(|e| panic!("{e}"))
-}
-
 #[test]
 fn native_code_interpreter_and_lanes_agree_bit_for_bit() {
-    let code = library();
     for (name, tree) in trees() {
         let samples = native_samples(&tree);
         let directions = sampled(&samples);
         let values = native_values(&tree, &directions);
         for executor in [Executor::Interp32, Executor::Cpu] {
-            let same =
-                check(name, &samples, &run(&code, "vdf_sample", SAMPLE, executor, &tree, &inputs()), 0.0);
+            let same = check(name, &samples, &run("vdf_sample", executor, &tree, &inputs()), 0.0);
             same.unwrap_or_else(|e| panic!("sample: {e}"));
-            let same = check(name, &values, &run(&code, "vdf_eval", EVAL, executor, &tree, &directions), 0.0);
+            let same = check(name, &values, &run("vdf_eval", executor, &tree, &directions), 0.0);
             same.unwrap_or_else(|e| panic!("eval: {e}"));
         }
     }
@@ -161,10 +125,9 @@ fn native_code_interpreter_and_lanes_agree_bit_for_bit() {
 
 #[test]
 fn single_precision_is_close_to_double() {
-    let code = library();
     for (name, tree) in trees() {
         let directions = sampled(&native_samples(&tree));
-        let double = run(&code, "vdf_eval", EVAL, Executor::Interp64, &tree, &directions);
+        let double = run("vdf_eval", Executor::Interp64, &tree, &directions);
         let close = check(name, &native_values(&tree, &directions), &double, PRECISION);
         close.unwrap_or_else(|e| panic!("{e}"));
     }
@@ -181,11 +144,10 @@ fn compute_kernels_agree() {
             return;
         }
     };
-    let code = library();
     // A pipeline takes half a minute to make in software: one tree with both kinds of leaf.
     for (name, tree) in trees().into_iter().filter(|(name, _)| *name == "mix") {
         let directions = sampled(&native_samples(&tree));
-        let kernel = run(&code, "vdf_eval", EVAL, Executor::Gpu(&context), &tree, &directions);
+        let kernel = run("vdf_eval", Executor::Gpu(&context), &tree, &directions);
         check(name, &native_values(&tree, &directions), &kernel, GPU).unwrap_or_else(|e| panic!("{e}"));
     }
 }

@@ -1862,7 +1862,7 @@ fn conserve_slot(n: vec4u) -> u32 {
 }
 
 fn layer_conserves(n: vec4u, p: ptr<function, Params>, point: ShadingPoint) -> bool {
-    if (((n.x & FLAG_CONSERVING) == 0u) || ((point.flags & POINT_INSIDE) != 0u)) {
+    if ((((n.x & FLAG_CONSERVING) == 0u) || ((point.flags & POINT_INSIDE) != 0u)) || (point.near != 1.0)) {
         return false;
     }
     return (param(p, conserve_slot(n)) >= 0.0);
@@ -3017,6 +3017,42 @@ fn spot_sample(spot: Spot, u: vec3f) -> vec3f {
     let w = frame_from_local(frame, vec3f((r * turn.y), (r * turn.x), (1.0 - below)));
     return normalize_or(w, spot.axis);
 }
+struct Fork {
+    now: Visit,
+    later: Visit
+}
+
+fn weighted_fork(n: vec4u, p: ptr<function, Params>, visit: Visit) -> Fork {
+    let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+    let prob = layer_probability(n, p, weight);
+    let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
+    let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
+    return Fork(visit_now(n, layer, base), visit_later(n, layer, base));
+}
+
+struct Chosen {
+    n: vec4u,
+    rest: f32
+}
+
+fn weighted_leaf(program: ptr<function, Program>, p: ptr<function, Params>, u: f32) -> Chosen {
+    var node: u32 = 0u;
+    var rest: f32 = u;
+    var n: vec4u = bsdf_node(program, node);
+    while (((n.x & OP_MASK) >= OP_TINT) && ((n.x & OP_MASK) < OP_DIFFUSE_EDF)) {
+        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
+            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
+            let q = layer_probability(n, p, weight);
+            let layer = (rest < q);
+            rest = reuse_random(rest, q, layer);
+            node = select(base_child(n, node), layer_child(n, node), layer);
+        } else {
+            node += 1u;
+        }
+        n = bsdf_node(program, node);
+    }
+    return Chosen(n, rest);
+}
 struct EdfValue {
     value: vec3f,
     pdf: f32
@@ -3036,12 +3072,9 @@ fn edf_eval(program: ptr<function, Program>, p: ptr<function, Params>, w: vec3f)
         let n = bsdf_node(program, visit.node);
         let op = (n.x & OP_MASK);
         if (op == OP_WEIGHTED_LAYER) {
-            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-            let prob = layer_probability(n, p, weight);
-            let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
-            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
-            stack[u32(depth)] = visit_later(n, layer, base);
-            visit = visit_now(n, layer, base);
+            let fork = weighted_fork(n, p, visit);
+            stack[u32(depth)] = fork.later;
+            visit = fork.now;
             depth += 1u;
         } else if ((op >= OP_TINT) && (op < OP_WEIGHTED_LAYER)) {
             let mirrored = vec3f(-w.x, -w.y, w.z);
@@ -3077,25 +3110,12 @@ fn node_spot(n: vec4u, p: ptr<function, Params>) -> Spot {
 }
 
 fn edf_sample(program: ptr<function, Program>, p: ptr<function, Params>, u: vec3f) -> LobeSample {
-    var node: u32 = 0u;
-    var uz: f32 = u.z;
-    var n: vec4u = bsdf_node(program, node);
-    while (((n.x & OP_MASK) >= OP_TINT) && ((n.x & OP_MASK) < OP_DIFFUSE_EDF)) {
-        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
-            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-            let q = layer_probability(n, p, weight);
-            let layer = (uz < q);
-            uz = reuse_random(uz, q, layer);
-            node = select(base_child(n, node), layer_child(n, node), layer);
-        } else {
-            node += 1u;
-        }
-        n = bsdf_node(program, node);
-    }
+    let chosen = weighted_leaf(program, p, u.z);
+    let n = chosen.n;
     let op = (n.x & OP_MASK);
     var wi: vec3f = sample_cosine_hemisphere(u.xy);
     if (op == OP_SPOT_EDF) {
-        wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, uz));
+        wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, chosen.rest));
     }
     if ((op < OP_DIFFUSE_EDF) || (wi.z <= 0.0)) {
         return lobe_absorb();
@@ -3411,12 +3431,9 @@ fn vdf_eval(program: ptr<function, Program>, p: ptr<function, Params>, wo: vec3f
         let n = bsdf_node(program, visit.node);
         let op = (n.x & OP_MASK);
         if (op == OP_WEIGHTED_LAYER) {
-            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-            let prob = layer_probability(n, p, weight);
-            let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
-            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
-            stack[u32(depth)] = visit_later(n, layer, base);
-            visit = visit_now(n, layer, base);
+            let fork = weighted_fork(n, p, visit);
+            stack[u32(depth)] = fork.later;
+            visit = fork.now;
             depth += 1u;
         } else if ((op == OP_TINT) || (op == OP_SCALE)) {
             visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, false);
@@ -3436,28 +3453,15 @@ fn vdf_eval(program: ptr<function, Program>, p: ptr<function, Params>, wo: vec3f
 }
 
 fn vdf_sample(program: ptr<function, Program>, p: ptr<function, Params>, wo: vec3f, u: vec3f) -> VdfSample {
-    var node: u32 = 0u;
-    var uz: f32 = u.z;
-    var n: vec4u = bsdf_node(program, node);
-    while (((n.x & OP_MASK) >= OP_TINT) && ((n.x & OP_MASK) < OP_DIFFUSE_EDF)) {
-        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
-            let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-            let q = layer_probability(n, p, weight);
-            let layer = (uz < q);
-            uz = reuse_random(uz, q, layer);
-            node = select(base_child(n, node), layer_child(n, node), layer);
-        } else {
-            node += 1u;
-        }
-        n = bsdf_node(program, node);
-    }
+    let chosen = weighted_leaf(program, p, u.z);
+    let n = chosen.n;
     let op = (n.x & OP_MASK);
     var wi: vec3f = vec3f(-wo.x, -wo.y, -wo.z);
     if (op == OP_ANISOTROPIC_VDF) {
         let g = sane_bias(param(p, n.y));
         wi = hg_sample(g, (1.0 - abs(g)), wo, u.xy);
     } else if (op == OP_FOG_VDF) {
-        wi = fog_sample(fog_new(param(p, n.y)), wo, vec3f(u.x, u.y, uz));
+        wi = fog_sample(fog_new(param(p, n.y)), wo, vec3f(u.x, u.y, chosen.rest));
     } else {
         return VdfSample(wi, 0.0, splat3(0.0));
     }

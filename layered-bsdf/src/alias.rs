@@ -44,6 +44,14 @@ pub fn alias_map(weights: &[f64]) -> Vec<Column> {
             low.push(large);
         }
     }
+    // Rounding may leave columns short of one without a partner: they are full. An impossible entry among them
+    // gives way to the likeliest.
+    let likeliest = (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
+    for index in low {
+        if weights[index] == 0.0 {
+            map[index] = Column { keep: 0.0, alias: likeliest as u32 };
+        }
+    }
     map
 }
 

@@ -22,9 +22,9 @@ pub mod code {
         film_slot(n) + select(0u32, 4u32, (n.x & FLAG_FILM) != 0)
     }
 
-    /// Whether the base of the layer at node `n` gets what the layer leaves.
+    /// Whether the base of the layer at node `n` gets what the layer leaves: seen from air, for which its table is.
     pub fn layer_conserves(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> bool {
-        if (n.x & FLAG_CONSERVING) == 0 || (point.flags & POINT_INSIDE) != 0 {
+        if (n.x & FLAG_CONSERVING) == 0 || (point.flags & POINT_INSIDE) != 0 || point.near != 1.0 {
             return false;
         }
         // A table that could not be filled begins below zero.

@@ -17,6 +17,7 @@ pub mod code {
     use crate::nodes::code::*;
     use crate::sampling::code::*;
     use crate::spot::code::*;
+    use crate::weighted::code::*;
     use wgsl_rs::std::*;
 
     /// Value and density of emission into a direction.
@@ -44,22 +45,9 @@ pub mod code {
             let n = bsdf_node(program, visit.node);
             let op = n.x & OP_MASK;
             if op == OP_WEIGHTED_LAYER {
-                let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-                let prob = layer_probability(n, p, weight);
-                let layer = Visit {
-                    node: layer_child(n, visit.node),
-                    weight: visit.weight * weight,
-                    prob: visit.prob * prob,
-                    normal: visit.normal,
-                };
-                let base = Visit {
-                    node: base_child(n, visit.node),
-                    weight: visit.weight * (splat3(1.0) - weight),
-                    prob: visit.prob * (1.0 - prob),
-                    normal: visit.normal,
-                };
-                stack[depth as usize] = visit_later(n, layer, base);
-                visit = visit_now(n, layer, base);
+                let fork = weighted_fork(n, p, visit);
+                stack[depth as usize] = fork.later;
+                visit = fork.now;
                 depth += 1;
             } else if op >= OP_TINT && op < OP_WEIGHTED_LAYER {
                 // One direction: it is its own half vector.
@@ -98,25 +86,12 @@ pub mod code {
 
     /// A direction of emission.
     pub fn edf_sample(program: ptr!(function, Program), p: ptr!(function, Params), u: Vec3f) -> LobeSample {
-        let mut node: u32 = 0;
-        let mut uz: f32 = u.z;
-        let mut n: Vec4u = bsdf_node(program, node);
-        while (n.x & OP_MASK) >= OP_TINT && (n.x & OP_MASK) < OP_DIFFUSE_EDF {
-            if (n.x & OP_MASK) >= OP_WEIGHTED_LAYER {
-                let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-                let q = layer_probability(n, p, weight);
-                let layer = uz < q;
-                uz = reuse_random(uz, q, layer);
-                node = select(base_child(n, node), layer_child(n, node), layer);
-            } else {
-                node += 1;
-            }
-            n = bsdf_node(program, node);
-        }
+        let chosen = weighted_leaf(program, p, u.z);
+        let n = chosen.n;
         let op = n.x & OP_MASK;
         let mut wi: Vec3f = sample_cosine_hemisphere(u.xy());
         if op == OP_SPOT_EDF {
-            wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, uz));
+            wi = spot_sample(node_spot(n, p), vec3f(u.x, u.y, chosen.rest));
         }
         if op < OP_DIFFUSE_EDF || wi.z <= 0.0 {
             return lobe_absorb();

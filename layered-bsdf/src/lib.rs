@@ -62,4 +62,5 @@ pub mod spot;
 pub mod tables;
 pub mod vdf;
 pub mod walk;
+pub mod weighted;
 pub mod wgsl;

@@ -9,8 +9,8 @@ pub struct BsdfOptions {
     /// Lobes without a multiple scattering tint scatter what single scattering loses in their own tint.
     pub multiple_scattering: bool,
     /// The base of a layer with a curve gets all that the layer does not reflect, seen from `wo`. Not
-    /// reciprocal. Layers whose parameters vary over the surface, and those seen from inside, stay as MDL
-    /// has them.
+    /// reciprocal. Layers whose parameters vary over the surface, and those seen from inside or from another
+    /// medium than air, stay as MDL has them.
     pub conserving_layers: bool,
 }
 

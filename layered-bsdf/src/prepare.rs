@@ -9,8 +9,8 @@ use wgsl_rs::std::{Vec4u, vec4u};
 const SAMPLES: u32 = 4096;
 
 impl LayerProgram {
-    /// Fills the tables of layers that conserve energy, after [`LayerProgram::prepare`], for light from the
-    /// medium in front of `point`. Layers with a slot that `varying` names, or with measured tables, keep MDL's weights.
+    /// Fills the tables of layers that conserve energy, after [`LayerProgram::prepare`], for light from air
+    /// in front of `point`. Layers with a slot that `varying` names, or with measured tables, keep MDL's weights.
     pub fn conserve(&self, params: &mut Params, point: ShadingPoint, varying: impl Fn(usize) -> bool) {
         for index in (0..self.nodes().len()).rev() {
             let n = self.nodes()[index];

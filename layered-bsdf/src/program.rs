@@ -661,7 +661,7 @@ impl<P: Copy> Layout<P> {
         let conserving = self.options.conserving_layers && curved;
         let order = order | if conserving { FLAG_CONSERVING } else { 0 };
         let node = self.node(op | order | flag(normal, FLAG_VECTOR) | flag(&here, FLAG_FILM), count)?;
-        self.slots.extend([Slot::Derived, Slot::Derived]);
+        self.derived(2)?;
         self.values(&[weight])?;
         match curve {
             Curve::Constant => 0,
@@ -679,8 +679,7 @@ impl<P: Copy> Layout<P> {
         self.values(&[optional(normal)])?;
         self.film(here)?;
         if conserving {
-            self.slots.extend((0..3 * CONSERVE_ENTRIES).map(|_| Slot::Derived));
-            self.values(&[])?;
+            self.derived(3 * CONSERVE_ENTRIES as usize)?;
         }
         let (first, second) = if base_first { (base, layer) } else { (layer, base) };
         let first_need = self.push(first, below)?;
@@ -711,6 +710,16 @@ impl<P: Copy> Layout<P> {
         for group in groups {
             self.slots.extend(group.iter().map(|&value| Slot::Value(value)));
         }
+        self.fits()
+    }
+
+    /// Appends slots that [`LayerProgram::prepare`] and [`LayerProgram::conserve`] fill.
+    fn derived(&mut self, count: usize) -> Result<u32, ProgramError> {
+        self.slots.extend(std::iter::repeat_with(|| Slot::Derived).take(count));
+        self.fits()
+    }
+
+    fn fits(&self) -> Result<u32, ProgramError> {
         if self.slots.len() > MAX_PARAMS as usize { Err(ProgramError::TooManyParams) } else { Ok(0) }
     }
 }

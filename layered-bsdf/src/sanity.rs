@@ -15,6 +15,8 @@ enum Range {
     NonNegative,
     /// Above 0.
     Positive,
+    /// −1 to 1.
+    Signed,
     /// A direction.
     Direction,
     /// Not the author's.
@@ -26,6 +28,7 @@ fn range(name: &str) -> Range {
     match name {
         "importance" | "measurement" | "picture" => Range::Derived,
         "ior" | "film ior" => Range::Positive,
+        "directional bias" => Range::Signed,
         "tangent" | "normal" | "axis" => Range::Direction,
         "factor"
         | "exponent"
@@ -33,7 +36,8 @@ fn range(name: &str) -> Range {
         | "absorption coefficient"
         | "thickness"
         | "film thickness"
-        | "spread" => Range::NonNegative,
+        | "spread"
+        | "particle size" => Range::NonNegative,
         _ => Range::Unit,
     }
 }
@@ -44,6 +48,7 @@ fn complaint(range: Range, values: &[f32]) -> Option<String> {
         Range::Unit => !(0.0..=1.0).contains(&x),
         Range::NonNegative => !(x >= 0.0 && x.is_finite()),
         Range::Positive => !(x > 0.0 && x.is_finite()),
+        Range::Signed => !(-1.0..=1.0).contains(&x),
         Range::Direction => !x.is_finite(),
         Range::Derived => false,
     };
@@ -56,6 +61,7 @@ fn complaint(range: Range, values: &[f32]) -> Option<String> {
         Range::Unit => "counts as 0",
         Range::NonNegative => "should be finite and not negative",
         Range::Positive => "should be finite and above 0",
+        Range::Signed => "should lie in -1 to 1",
         Range::Direction | Range::Derived => "should be finite",
     };
     Some(format!("is {x}; it {expected}"))

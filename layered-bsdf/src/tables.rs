@@ -128,3 +128,10 @@ pub mod code {
     }
 }
 pub use code::{Program, table_record};
+
+impl Program {
+    /// As executors of the WGSL text take it: the count, then the words of the nodes.
+    pub fn words(&self) -> Vec<u32> {
+        std::iter::once(self.count).chain(self.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w])).collect()
+    }
+}

@@ -14,7 +14,7 @@ pub mod code {
     use crate::frame::code::*;
     use crate::nodes::code::*;
     use crate::phase::code::*;
-    use crate::sampling::code::*;
+    use crate::weighted::code::*;
     use wgsl_rs::std::*;
 
     /// Value and density of scattering into a direction.
@@ -68,22 +68,9 @@ pub mod code {
             let n = bsdf_node(program, visit.node);
             let op = n.x & OP_MASK;
             if op == OP_WEIGHTED_LAYER {
-                let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-                let prob = layer_probability(n, p, weight);
-                let layer = Visit {
-                    node: layer_child(n, visit.node),
-                    weight: visit.weight * weight,
-                    prob: visit.prob * prob,
-                    normal: visit.normal,
-                };
-                let base = Visit {
-                    node: base_child(n, visit.node),
-                    weight: visit.weight * (splat3(1.0) - weight),
-                    prob: visit.prob * (1.0 - prob),
-                    normal: visit.normal,
-                };
-                stack[depth as usize] = visit_later(n, layer, base);
-                visit = visit_now(n, layer, base);
+                let fork = weighted_fork(n, p, visit);
+                stack[depth as usize] = fork.later;
+                visit = fork.now;
                 depth += 1;
             } else if op == OP_TINT || op == OP_SCALE {
                 visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wi, false);
@@ -109,28 +96,15 @@ pub mod code {
         wo: Vec3f,
         u: Vec3f,
     ) -> VdfSample {
-        let mut node: u32 = 0;
-        let mut uz: f32 = u.z;
-        let mut n: Vec4u = bsdf_node(program, node);
-        while (n.x & OP_MASK) >= OP_TINT && (n.x & OP_MASK) < OP_DIFFUSE_EDF {
-            if (n.x & OP_MASK) >= OP_WEIGHTED_LAYER {
-                let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-                let q = layer_probability(n, p, weight);
-                let layer = uz < q;
-                uz = reuse_random(uz, q, layer);
-                node = select(base_child(n, node), layer_child(n, node), layer);
-            } else {
-                node += 1;
-            }
-            n = bsdf_node(program, node);
-        }
+        let chosen = weighted_leaf(program, p, u.z);
+        let n = chosen.n;
         let op = n.x & OP_MASK;
         let mut wi: Vec3f = vec3f(-wo.x, -wo.y, -wo.z);
         if op == OP_ANISOTROPIC_VDF {
             let g = sane_bias(param(p, n.y));
             wi = hg_sample(g, 1.0 - abs(g), wo, u.xy());
         } else if op == OP_FOG_VDF {
-            wi = fog_sample(fog_new(param(p, n.y)), wo, vec3f(u.x, u.y, uz));
+            wi = fog_sample(fog_new(param(p, n.y)), wo, vec3f(u.x, u.y, chosen.rest));
         } else {
             return VdfSample { wi, pdf: 0.0, weight: splat3(0.0) };
         }

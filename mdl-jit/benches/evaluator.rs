@@ -108,9 +108,7 @@ fn measure(data: &Data, task: &Task, name: &str, tree: &Tree<f32>, runs: usize) 
     let (layers, mut params) = LayerProgram::with_values(tree).expect("a small tree");
     let code = evaluator(&layers, &[task.function]).expect("the library has it");
     let mut program = layers.to_program();
-    let words: Vec<u32> = std::iter::once(program.count)
-        .chain(program.nodes.iter().flat_map(|n| [n.x, n.y, n.z, n.w]))
-        .collect();
+    let words = program.words();
     let second = if task.function == "bsdf_eval" { &data.wi } else { &data.u };
     let mut sum = 0.0;
     let native = time(runs, || {

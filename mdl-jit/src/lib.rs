@@ -58,7 +58,7 @@ pub use cache::{KernelCache, TieredKernel};
 pub use cranelift::Kernel;
 pub use emit::{EmitTarget, emit};
 pub use error::{CompileError, Error, Fault, Unsupported};
-pub use evaluator::evaluator;
+pub use evaluator::{Scatterer, evaluator};
 pub use executor::{Executor, Program};
 pub use externs::{Call, Externs, HostFunction};
 pub use interp::Interpreter;

@@ -234,14 +234,28 @@ impl Material {
         }
     }
 
+    /// Its programs with the parts that hold their slots.
+    pub fn programs(&self) -> Vec<(Part, &LayerProgram)> {
+        let mut programs = Vec::new();
+        for back in [false, true] {
+            let (face, part, emission) = self.face(back);
+            if back && part == Part::Surface {
+                continue;
+            }
+            programs.push((part, &face.bsdf));
+            programs.extend(face.emission.as_ref().map(|e| (emission, &e.edf)));
+        }
+        programs.extend(self.vdf.as_ref().map(|vdf| (Part::VolumeScattering, vdf)));
+        programs
+    }
+
     /// The resources that programs read as tables of a kind: by `OP_MEASURED_BSDF` measurements, by
     /// `OP_MEASURED_PICTURE` pictures.
     pub fn table_numbers(&self, op: u32) -> Vec<usize> {
         let mut numbers = Vec::new();
-        for back in [false, true] {
-            let (face, part, _) = self.face(back);
+        for (part, program) in self.programs() {
             let uniform = &self.inputs(part).uniform;
-            let used = face.bsdf.table_slots(op).map(|slot| uniform[PROGRAM_OFFSET + slot]);
+            let used = program.table_slots(op).map(|slot| uniform[PROGRAM_OFFSET + slot]);
             numbers.extend(used.filter(|&x| x >= 0.0).map(|x| x as usize));
         }
         numbers.sort_unstable();

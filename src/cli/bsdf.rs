@@ -5,7 +5,7 @@ use super::{
     Assignment, Beyond, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector,
 };
 use lacquer::hair::HairProbe;
-use lacquer::{Error, SurfacePoint};
+use lacquer::{Error, Evaluation, Probe, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};
 
@@ -109,99 +109,126 @@ pub fn run(args: &Args) -> Result<(), Fail> {
         print!("{text}");
     }
     let Some(verb) = args.verb else { return Ok(()) };
-    if args.hair {
-        return hair(args, verb, wo, &material, &at);
-    }
-    let mut probe = material.at(&at)?;
+    let mut probe: Box<dyn Scattering> = match args.hair {
+        true => {
+            let hair = HairProbe::new(&material, &at)?;
+            Box::new(hair.ok_or_else(|| Error::Name(format!("`{}` has no hair", material.name())))?)
+        }
+        false => Box::new(material.at(&at)?),
+    };
     let mut object = Map::new();
     object.insert("material".to_string(), json!(material.name()));
     object.insert("wo".to_string(), json::floats(wo));
     if let Some(wi) = args.wi {
         object.insert("wi".to_string(), json::floats(wi));
     }
+    answer(args, verb, wo, &mut *probe, &mut object)?;
+    println!("{}", json::line(&object));
+    Ok(())
+}
+
+/// What can be asked: a BSDF, or hair.
+trait Scattering {
+    fn eval(&mut self, wo: [f32; 3], wi: [f32; 3]) -> Evaluation;
+    fn eval_on(&self, on: Executor<'_>, wo: [f32; 3], wi: [f32; 3]) -> Result<([f64; 3], f64), Error>;
+    /// Direction, density, weight, and the event if there are several.
+    fn sample(&mut self, wo: [f32; 3], xi: [f32; 3]) -> ([f32; 3], f32, [f32; 3], Option<u32>);
+    /// None if it is known by integration alone.
+    fn albedo(&mut self, wo: [f32; 3]) -> Option<[f32; 3]>;
+    /// The albedo by quadrature and by sampling.
+    fn furnace(&mut self, wo: [f32; 3], samples: u32) -> [[f64; 3]; 2];
+}
+
+impl Scattering for Probe {
+    fn eval(&mut self, wo: [f32; 3], wi: [f32; 3]) -> Evaluation {
+        self.eval(wo, wi)
+    }
+
+    fn eval_on(&self, on: Executor<'_>, wo: [f32; 3], wi: [f32; 3]) -> Result<([f64; 3], f64), Error> {
+        self.eval_on(on, wo, wi)
+    }
+
+    fn sample(&mut self, wo: [f32; 3], xi: [f32; 3]) -> ([f32; 3], f32, [f32; 3], Option<u32>) {
+        let sample = self.sample(wo, xi);
+        (sample.wi, sample.pdf, sample.weight, Some(sample.event))
+    }
+
+    fn albedo(&mut self, wo: [f32; 3]) -> Option<[f32; 3]> {
+        Some(self.albedo(wo))
+    }
+
+    fn furnace(&mut self, wo: [f32; 3], samples: u32) -> [[f64; 3]; 2] {
+        [self.furnace_by_eval(wo), self.furnace_by_sample(wo, samples)]
+    }
+}
+
+impl Scattering for HairProbe {
+    fn eval(&mut self, wo: [f32; 3], wi: [f32; 3]) -> Evaluation {
+        self.eval(wo, wi)
+    }
+
+    fn eval_on(&self, on: Executor<'_>, wo: [f32; 3], wi: [f32; 3]) -> Result<([f64; 3], f64), Error> {
+        self.eval_on(on, wo, wi)
+    }
+
+    fn sample(&mut self, wo: [f32; 3], xi: [f32; 3]) -> ([f32; 3], f32, [f32; 3], Option<u32>) {
+        let (wi, pdf, weight) = self.sample(wo, xi);
+        (wi, pdf, weight, None)
+    }
+
+    fn albedo(&mut self, _: [f32; 3]) -> Option<[f32; 3]> {
+        None
+    }
+
+    fn furnace(&mut self, wo: [f32; 3], samples: u32) -> [[f64; 3]; 2] {
+        [self.furnace_by_eval(wo), self.furnace_by_sample(wo, samples)]
+    }
+}
+
+/// Inserts what was asked for.
+fn answer(
+    args: &Args,
+    verb: Verb,
+    wo: [f32; 3],
+    probe: &mut dyn Scattering,
+    object: &mut Map<String, serde_json::Value>,
+) -> Result<(), Fail> {
     match verb {
         Verb::Eval | Verb::Pdf => {
             let wi = args.wi.ok_or_else(|| Fail::Usage("`eval` and `pdf` need --wi".to_string()))?;
-            let (value, pdf) = evaluate(args, &mut probe, wo, wi)?;
+            let (value, pdf) = evaluate(args, probe, wo, wi)?;
             if verb == Verb::Eval {
                 object.insert("value".to_string(), value);
             }
             object.insert("pdf".to_string(), pdf);
         }
         Verb::Sample => {
-            let sample = probe.sample(wo, args.xi);
-            object.insert("wi".to_string(), json::floats(sample.wi));
-            object.insert("pdf".to_string(), json::float(sample.pdf));
-            object.insert("weight".to_string(), json::floats(sample.weight));
-            object.insert("event".to_string(), json!(event_name(sample.event)));
-        }
-        Verb::Albedo => {
-            object.insert("albedo".to_string(), json::floats(probe.albedo(wo)));
-        }
-        Verb::Furnace => {
-            let by_eval = probe.furnace_by_eval(wo);
-            let by_sample = probe.furnace_by_sample(wo, args.samples);
-            object.insert("by_eval".to_string(), by_eval.map(json::double).to_vec().into());
-            object.insert("by_sample".to_string(), by_sample.map(json::double).to_vec().into());
-        }
-    }
-    println!("{}", json::line(&object));
-    Ok(())
-}
-
-/// The same of the material's hair.
-fn hair(
-    args: &Args,
-    verb: Verb,
-    wo: [f32; 3],
-    material: &lacquer::Material,
-    at: &SurfacePoint,
-) -> Result<(), Fail> {
-    let probe = HairProbe::new(material, at)?;
-    let mut probe = probe.ok_or_else(|| Error::Name(format!("`{}` has no hair", material.name())))?;
-    let mut object = Map::new();
-    object.insert("material".to_string(), json!(material.name()));
-    object.insert("wo".to_string(), json::floats(wo));
-    if let Some(wi) = args.wi {
-        object.insert("wi".to_string(), json::floats(wi));
-    }
-    match verb {
-        Verb::Eval | Verb::Pdf => {
-            let wi = args.wi.ok_or_else(|| Fail::Usage("`eval` and `pdf` need --wi".to_string()))?;
-            let (value, pdf) = match (args.precision, args.backend) {
-                (Precision::F32, Backend::Cpu) => {
-                    let found = probe.eval(wo, wi);
-                    (found.value.map(f64::from), f64::from(found.pdf))
-                }
-                (Precision::F64, Backend::Cpu) => probe.eval_on(Executor::Interp64, wo, wi)?,
-                (_, Backend::Gpu) => return Err(Fail::Usage("hair is computed on the CPU".to_string())),
-            };
-            if verb == Verb::Eval {
-                object.insert("value".to_string(), value.map(json::double).to_vec().into());
-            }
-            object.insert("pdf".to_string(), json::double(pdf));
-        }
-        Verb::Sample => {
-            let (wi, pdf, weight) = probe.sample(wo, args.xi);
+            let (wi, pdf, weight, event) = probe.sample(wo, args.xi);
             object.insert("wi".to_string(), json::floats(wi));
             object.insert("pdf".to_string(), json::float(pdf));
             object.insert("weight".to_string(), json::floats(weight));
+            object.extend(event.map(|event| ("event".to_string(), json!(event_name(event)))));
         }
         Verb::Albedo | Verb::Furnace => {
-            let by_eval = probe.furnace_by_eval(wo);
-            let by_sample = probe.furnace_by_sample(wo, args.samples);
-            object.insert("by_eval".to_string(), by_eval.map(json::double).to_vec().into());
-            object.insert("by_sample".to_string(), by_sample.map(json::double).to_vec().into());
+            if verb == Verb::Albedo
+                && let Some(albedo) = probe.albedo(wo)
+            {
+                object.insert("albedo".to_string(), json::floats(albedo));
+                return Ok(());
+            }
+            let found = probe.furnace(wo, args.samples);
+            for (name, albedo) in ["by_eval", "by_sample"].into_iter().zip(found) {
+                object.insert(name.to_string(), albedo.map(json::double).to_vec().into());
+            }
         }
     }
-    println!("{}", json::line(&object));
     Ok(())
 }
 
 /// Value and density in the precision and on the backend that were asked for.
 fn evaluate(
     args: &Args,
-    probe: &mut lacquer::Probe,
+    probe: &mut dyn Scattering,
     wo: [f32; 3],
     wi: [f32; 3],
 ) -> Result<(serde_json::Value, serde_json::Value), Fail> {

@@ -1,15 +1,14 @@
 //! Choice among many in constant time.
 //!
-//! A. J. Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions",
-//! 1977; built in linear time after M. D. Vose, "A Linear Algorithm for Generating Random Numbers with a
-//! Given Distribution", 1991, in double precision.
+//! The map is that of [`layered_bsdf::alias`], with the probability of every index beside it.
 
-/// A column of the table: itself below the threshold, else its alias.
+use layered_bsdf::alias::{alias_map, compensated_sum};
+
+/// A column of the map, with the probability of its index.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     threshold: f32,
     alias: u32,
-    /// Probability of this index.
     probability: f32,
 }
 
@@ -29,35 +28,14 @@ impl AliasTable {
             return None;
         }
         let scaled: Vec<f64> = weights.iter().map(|w| sane(w) / largest).collect();
-        let total = kahan_sum(&scaled);
-        let n = weights.len() as f64;
-        let mut columns: Vec<Column> = scaled
-            .iter()
-            .enumerate()
-            .map(|(i, w)| Column { threshold: 1.0, alias: i as u32, probability: (w / total) as f32 })
-            .collect();
-        let mut rest: Vec<f64> = scaled.iter().map(|w| w / total * n).collect();
-        let (mut small, mut large): (Vec<u32>, Vec<u32>) =
-            (0..weights.len() as u32).partition(|&i| rest[i as usize] < 1.0);
-        while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
-            small.pop();
-            columns[s as usize].threshold = rest[s as usize] as f32;
-            columns[s as usize].alias = l;
-            rest[l as usize] -= 1.0 - rest[s as usize];
-            if rest[l as usize] < 1.0 {
-                large.pop();
-                small.push(l);
-            }
-        }
-        // Rounding may leave columns short of one without a partner: they are full. An impossible index
-        // among them gets a possible one.
-        let possible = scaled.iter().position(|&w| w == 1.0).unwrap_or(0) as u32;
-        for i in small {
-            if scaled[i as usize] == 0.0 {
-                columns[i as usize].threshold = 0.0;
-                columns[i as usize].alias = possible;
-            }
-        }
+        let total = compensated_sum(scaled.iter().copied());
+        let map = alias_map(&scaled).into_iter().zip(&scaled);
+        let columns = map.map(|(column, w)| Column {
+            threshold: column.keep,
+            alias: column.alias,
+            probability: (w / total) as f32,
+        });
+        let columns = columns.collect();
         Some(Self { columns })
     }
 
@@ -87,17 +65,6 @@ impl AliasTable {
         let index = if (x - i as f64) < f64::from(column.threshold) { i as u32 } else { column.alias };
         (index, self.columns[index as usize].probability)
     }
-}
-
-fn kahan_sum(values: &[f64]) -> f64 {
-    let (mut sum, mut low) = (0.0, 0.0);
-    for v in values {
-        let y = v - low;
-        let t = sum + y;
-        low = (t - sum) - y;
-        sum = t;
-    }
-    sum
 }
 
 #[cfg(test)]
