@@ -38,8 +38,12 @@ fn frame_from_local(f: Frame, v: vec3f) -> vec3f {
     return (((f.x * v.x) + (f.y * v.y)) + (f.z * v.z));
 }
 
+fn limit(x: f32, low: f32, high: f32) -> f32 {
+    return min(max(x, low), high);
+}
+
 fn unit(x: f32) -> f32 {
-    return select(0.0, min(x, 1.0), (x > 0.0));
+    return limit(x, 0.0, 1.0);
 }
 
 fn unit3(v: vec3f) -> vec3f {
@@ -47,7 +51,7 @@ fn unit3(v: vec3f) -> vec3f {
 }
 
 fn nonnegative(x: f32) -> f32 {
-    return select(0.0, min(x, 3.4028234e38), (x > 0.0));
+    return limit(x, 0.0, 3.4028234e38);
 }
 
 fn max3(v: vec3f) -> f32 {
@@ -518,7 +522,7 @@ fn fresnel_dielectric(c: f32, eta: f32) -> f32 {
 }
 
 fn sane_eta(eta: f32) -> f32 {
-    return select(1.0, clamp(eta, 1e-3, 1e3), (eta > 0.0));
+    return select(1.0, limit(eta, 1e-3, 1e3), (eta > 0.0));
 }
 
 fn schlick_weight(c: f32, exponent: f32) -> f32 {
@@ -563,7 +567,7 @@ fn complex_div(a: vec2f, b: vec2f) -> vec2f {
 }
 
 fn sane_ior(ior: f32, fallback: f32) -> f32 {
-    return select(fallback, clamp(ior, 1e-3, 1e3), (ior > 0.0));
+    return select(fallback, limit(ior, 1e-3, 1e3), (ior > 0.0));
 }
 
 fn film_wave(n: f32, k: f32, n1: f32, c: f32) -> vec2f {
@@ -742,7 +746,7 @@ fn sample_cosine_hemisphere(u: vec2f) -> vec3f {
 
 fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
     let rest = select(((u - prob) / (1.0 - prob)), (u / prob), chosen);
-    return clamp(rest, 0.0, 0.99999994);
+    return limit(rest, 0.0, 0.99999994);
 }
 const MICROFLAKE_MIN: f32 = 0.01;
 const FRAC_1_SQRT_TWO_PI: f32 = 0.39894228;
@@ -846,7 +850,7 @@ struct Ggx {
 }
 
 fn sane_alpha(alpha: f32) -> f32 {
-    return select(ALPHA_MIN, min(alpha, 1.0), (alpha > ALPHA_MIN));
+    return limit(alpha, ALPHA_MIN, 1.0);
 }
 
 fn ggx_new(
@@ -857,7 +861,7 @@ fn ggx_new(
     eta: f32,
 ) -> Ggx {
     let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
-    return Ggx(alpha, mode, thin_walled, sane_eta(eta), -1.0, false);
+    return Ggx(alpha, mode, thin_walled, eta, -1.0, false);
 }
 
 fn ggx_stretch(alpha: vec2f, w: vec3f) -> f32 {
@@ -1195,11 +1199,12 @@ struct Params {
 }
 
 fn param(p: ptr<function, Params>, slot: u32) -> f32 {
-    return p.v[u32(slot)];
+    return p.v[u32(select(383u, slot, (slot < 384u)))];
 }
 
 fn param3(p: ptr<function, Params>, slot: u32) -> vec3f {
-    return vec3f(p.v[u32(slot)], p.v[u32((slot + 1u))], p.v[u32((slot + 2u))]);
+    let first = select(381u, slot, (slot < 382u));
+    return vec3f(p.v[u32(first)], p.v[u32((first + 1u))], p.v[u32((first + 2u))]);
 }
 const FRAC_1_SQRT_PI: f32 = 0.56418958;
 const HALF_SQRT_PI: f32 = 0.88622693;
@@ -1738,9 +1743,8 @@ fn measured_most(p: ptr<function, Params>, slot: u32, count: u32, c: f32) -> vec
 
 struct LayerCurve {
     seen: vec3f,
-    lit: vec3f,
     half: vec3f,
-    front: vec3f
+    most: vec3f
 }
 
 fn color_coating_eta(ior: vec3f, point: ShadingPoint) -> vec3f {
@@ -1819,12 +1823,13 @@ fn layer_curve(
     let slot = (n.y + SLOT_LAYER_CURVE);
     if (op == OP_FRESNEL_LAYER) {
         let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
-        return LayerCurve((weight * fresnel_dielectric(seen, eta)), (weight * fresnel_dielectric(lit, eta)), (weight * fresnel_dielectric(half, eta)), splat3(0.0));
+        let at_seen = fresnel_dielectric(seen, eta);
+        return LayerCurve((weight * at_seen), (weight * fresnel_dielectric(half, eta)), (weight * max(at_seen, fresnel_dielectric(lit, eta))));
     }
     let at_seen = (weight * layer_value(n, p, point, seen));
-    let at_lit = (weight * layer_value(n, p, point, lit));
+    let most = max(at_seen, (weight * layer_value(n, p, point, lit)));
     if ((op == OP_SHEEN_LAYER) || (op == OP_MICROFLAKE_LAYER)) {
-        return LayerCurve(at_seen, at_lit, weight, splat3(0.0));
+        return LayerCurve(at_seen, weight, most);
     }
     let at_half = (weight * layer_value(n, p, point, half));
     var front: vec3f = splat3(0.0);
@@ -1835,7 +1840,7 @@ fn layer_curve(
     } else if (op == OP_MEASURED_LAYER) {
         front = (weight * measured_most(p, slot, n.w, min(seen, lit)));
     }
-    return LayerCurve(at_seen, at_lit, at_half, front);
+    return LayerCurve(at_seen, at_half, max(most, front));
 }
 
 fn layer_normal_slot(n: vec4u) -> u32 {
@@ -2424,6 +2429,11 @@ struct BsdfValue {
     specular: vec3f
 }
 
+struct LeafValue {
+    f: vec3f,
+    pdf: f32
+}
+
 struct BsdfSample {
     wi: vec3f,
     pdf: f32,
@@ -2520,8 +2530,7 @@ fn layer_split(
         return LayerSplit(curve.half, (splat3(1.0) - albedo), prob);
     }
     let prob = layer_probability(n, p, curve.seen);
-    let most = max(max(curve.seen, curve.lit), curve.front);
-    return LayerSplit(curve.half, (splat3(1.0) - most), prob);
+    return LayerSplit(curve.half, (splat3(1.0) - curve.most), prob);
 }
 const FILM_ETA: f32 = 1e-3;
 
@@ -2557,8 +2566,7 @@ fn node_glossy_eval(
     point: ShadingPoint,
     o: vec3f,
     i: vec3f,
-) -> BsdfValue {
-    let zero = splat3(0.0);
+) -> LeafValue {
     var tint: vec3f = unit3(param3(p, (n.y + SLOT_TINT)));
     var lobe: Glossy = node_glossy(n, p, point);
     if ((n.x & FLAG_FILM) != 0u) {
@@ -2568,14 +2576,14 @@ fn node_glossy_eval(
     }
     let v = glossy_eval(lobe, o, i);
     if (((n.x & FLAG_COLOR) == 0u) || (o.z <= 0.0)) {
-        return BsdfValue(zero, (tint * v.f), v.pdf, zero);
+        return LeafValue((tint * v.f), v.pdf);
     }
     let multiple = node_multiple(n, p);
     let m = multiscatter_new(lobe, o);
     let more = multiscatter_eval(m, lobe, i);
     let q = multiscatter_single(m, tint, multiple);
     let pdf = ((q * v.pdf) + ((1.0 - q) * more.pdf));
-    return BsdfValue(zero, ((tint * v.f) + (multiple * more.f)), pdf, zero);
+    return LeafValue(((tint * v.f) + (multiple * more.f)), pdf);
 }
 
 fn node_glossy_sample(
@@ -2627,6 +2635,10 @@ fn node_glossy_albedo(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, o
     return unit3(result);
 }
 
+fn op_is_diffuse(op: u32) -> bool {
+    return (((op == OP_DIFFUSE_REFLECTION) || (op == OP_DIFFUSE_TRANSMISSION)) || (op == OP_DUSTY_DIFFUSE));
+}
+
 fn node_is_turned(n: vec4u, normal: u32) -> bool {
     return ((normal != NO_SLOT) || ((n.x & FLAG_VECTOR) != 0u));
 }
@@ -2637,6 +2649,22 @@ fn node_frame(n: vec4u, p: ptr<function, Params>, normal: u32) -> Frame {
         return frame_from_normal_tangent(z, param3(p, (n.y + SLOT_GLOSSY_TANGENT)));
     }
     return frame_from_normal(z);
+}
+
+struct Directions {
+    wo: vec3f,
+    wi: vec3f
+}
+
+fn node_local(
+    n: vec4u,
+    p: ptr<function, Params>,
+    normal: u32,
+    wo: vec3f,
+    wi: vec3f,
+) -> Directions {
+    let frame = node_frame(n, p, normal);
+    return Directions(frame_to_local(frame, wo), frame_to_local(frame, wi));
 }
 
 fn bsdf_node(program: ptr<function, Program>, index: u32) -> vec4u {
@@ -2651,8 +2679,10 @@ fn bsdf_visit(
     wi: vec3f,
     specular_node: u32,
 ) -> BsdfValue {
-    let zero = splat3(0.0);
-    var result: BsdfValue = BsdfValue(zero, zero, 0.0, zero);
+    var diffuse: vec3f = splat3(0.0);
+    var glossy: vec3f = splat3(0.0);
+    var pdf: f32 = 0.0;
+    var specular: vec3f = splat3(0.0);
     var visit: Visit = visit_root();
     var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
     var depth: u32 = 0u;
@@ -2678,12 +2708,16 @@ fn bsdf_visit(
             visit.node += 1u;
         } else {
             if (visit.node == specular_node) {
-                result.specular = visit.weight;
+                specular = visit.weight;
             }
             let leaf = leaf_eval(program, n, p, point, visit.normal, wo, wi, transmits);
-            result.diffuse += (visit.weight * leaf.diffuse);
-            result.glossy += (visit.weight * leaf.glossy);
-            result.pdf += (visit.prob * leaf.pdf);
+            let f = (visit.weight * leaf.f);
+            if op_is_diffuse(op) {
+                diffuse += f;
+            } else {
+                glossy += f;
+            }
+            pdf += (visit.prob * leaf.pdf);
             running = (depth > 0u);
             if running {
                 depth -= 1u;
@@ -2691,7 +2725,7 @@ fn bsdf_visit(
             }
         }
     }
-    return result;
+    return BsdfValue(diffuse, glossy, pdf, specular);
 }
 
 fn leaf_eval(
@@ -2703,19 +2737,18 @@ fn leaf_eval(
     wo: vec3f,
     wi: vec3f,
     transmits: bool,
-) -> BsdfValue {
-    let zero = splat3(0.0);
+) -> LeafValue {
     let op = (n.x & OP_MASK);
-    var result: BsdfValue = BsdfValue(zero, zero, 0.0, zero);
+    var result: LeafValue = LeafValue(splat3(0.0), 0.0);
     if ((op == OP_BLACK) || (op == OP_SPECULAR)) {
         return result;
     }
     var o: vec3f = wo;
     var i: vec3f = wi;
     if node_is_turned(n, normal) {
-        let frame = node_frame(n, p, normal);
-        o = frame_to_local(frame, wo);
-        i = frame_to_local(frame, wi);
+        let local = node_local(n, p, normal, wo, wi);
+        o = local.wo;
+        i = local.wi;
     }
     if ((i.z < 0.0) != transmits) {
         return result;
@@ -2724,32 +2757,34 @@ fn leaf_eval(
     if (op == OP_DIFFUSE_REFLECTION) {
         let lobe = diffuse_reflection_new(param(p, (n.y + SLOT_DIFFUSE_ROUGHNESS)));
         let v = diffuse_reflection_eval(lobe, o, i);
-        result.diffuse = (tint * v.single);
+        result.f = (tint * v.single);
         if ((n.x & FLAG_COLOR) != 0u) {
-            result.diffuse += (unit3(param3(p, (n.y + SLOT_DIFFUSE_MULTIPLE))) * v.multiple);
+            result.f += (unit3(param3(p, (n.y + SLOT_DIFFUSE_MULTIPLE))) * v.multiple);
         }
         result.pdf = v.pdf;
     } else if (op == OP_DIFFUSE_TRANSMISSION) {
         let v = diffuse_transmission_eval(o, i);
-        result.diffuse = (tint * v.f);
+        result.f = (tint * v.f);
         result.pdf = v.pdf;
     } else if (op == OP_DUSTY_DIFFUSE) {
-        result.diffuse = dusty_diffuse_eval(tint, o, i);
+        result.f = dusty_diffuse_eval(tint, o, i);
         result.pdf = select(0.0, (max(i.z, 0.0) * FRAC_1_PI), (o.z > 0.0));
     } else if (op == OP_MICROFLAKE) {
         let v = microflake_eval(microflake_new(param(p, (n.y + SLOT_GLOSSY_ALPHA)), o), o, i);
-        result.glossy = (tint * v.f);
+        result.f = (tint * v.f);
         result.pdf = v.pdf;
     } else if ((op == OP_GGX_SMITH) && ((n.x & (FLAG_COLOR | FLAG_FILM)) == 0u)) {
         let v = ggx_eval(node_ggx(n, p, point), o, i);
-        result.glossy = (tint * v.f);
+        result.f = (tint * v.f);
         result.pdf = v.pdf;
     } else if (op == OP_MEASURED_BSDF) {
         let v = node_measured_eval(program, n, p, o, i);
-        result.glossy = v.f;
+        result.f = v.f;
         result.pdf = v.density;
     } else {
-        result = node_glossy_eval(n, p, point, o, i);
+        let v = node_glossy_eval(n, p, point, o, i);
+        result.f = v.f;
+        result.pdf = v.pdf;
     }
     return result;
 }

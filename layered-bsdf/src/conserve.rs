@@ -23,6 +23,7 @@ pub mod code {
     }
 
     /// Whether the base of the layer at node `n` gets what the layer leaves: seen from air, for which its table is.
+    #[wgsl_inline::always]
     pub fn layer_conserves(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> bool {
         if (n.x & FLAG_CONSERVING) == 0 || (point.flags & POINT_INSIDE) != 0 || point.near != 1.0 {
             return false;

@@ -52,6 +52,7 @@ pub mod code {
 
     /// Index ratio at a coating of index `ior`: from outside the coating is the far side, from inside the
     /// near one.
+    #[wgsl_inline::always]
     pub fn coating_eta(ior: f32, near: f32, far: f32, flags: u32) -> f32 {
         let inside = (flags & POINT_INSIDE) != 0;
         sane_eta(select(ior, far, inside) / select(near, ior, inside))
@@ -171,12 +172,10 @@ pub mod code {
     pub struct LayerCurve {
         /// Seen from `wo`.
         pub seen: Vec3f,
-        /// Lit from `wi`.
-        pub lit: Vec3f,
         /// At the half vector.
         pub half: Vec3f,
-        /// The largest nearer to normal incidence, where that can be larger; else zero.
-        pub front: Vec3f,
+        /// The largest of `wo`, of `wi`, and of all nearer to normal incidence where that can be larger.
+        pub most: Vec3f,
     }
 
     /// The index ratios of a colour Fresnel layer.
@@ -245,11 +244,13 @@ pub mod code {
     }
 
     /// The curve of the layer of node `n` seen from `wo` at cosine `c`: what selection is based on.
+    #[wgsl_inline::always]
     pub fn layer_seen(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint, c: f32) -> Vec3f {
         unit3(param3(p, n.y + SLOT_LAYER_WEIGHT)) * layer_value(n, p, point, c)
     }
 
     /// The curve of the layer of node `n`, which has one, at the cosines seen, lit and half.
+    #[wgsl_inline::always]
     pub fn layer_curve(
         n: Vec4u,
         p: ptr!(function, Params),
@@ -264,18 +265,18 @@ pub mod code {
         if op == OP_FRESNEL_LAYER {
             // The most common curve, which the following would find out three times.
             let eta = coating_eta(param(p, slot), point.near, point.far, point.flags);
+            let at_seen = fresnel_dielectric(seen, eta);
             return LayerCurve {
-                seen: weight * fresnel_dielectric(seen, eta),
-                lit: weight * fresnel_dielectric(lit, eta),
+                seen: weight * at_seen,
                 half: weight * fresnel_dielectric(half, eta),
-                front: splat3(0.0),
+                most: weight * max(at_seen, fresnel_dielectric(lit, eta)),
             };
         }
         let at_seen = weight * layer_value(n, p, point, seen);
-        let at_lit = weight * layer_value(n, p, point, lit);
+        let most = max(at_seen, weight * layer_value(n, p, point, lit));
         if op == OP_SHEEN_LAYER || op == OP_MICROFLAKE_LAYER {
             // All of the lobe, over what its albedo leaves.
-            return LayerCurve { seen: at_seen, lit: at_lit, half: weight, front: splat3(0.0) };
+            return LayerCurve { seen: at_seen, half: weight, most };
         }
         let at_half = weight * layer_value(n, p, point, half);
         let mut front: Vec3f = splat3(0.0);
@@ -287,10 +288,11 @@ pub mod code {
         } else if op == OP_MEASURED_LAYER {
             front = weight * measured_most(p, slot, n.w, min(seen, lit));
         }
-        LayerCurve { seen: at_seen, lit: at_lit, half: at_half, front }
+        LayerCurve { seen: at_seen, half: at_half, most: max(most, front) }
     }
 
     /// The slot of a layer's normal.
+    #[wgsl_inline::always]
     pub fn layer_normal_slot(n: Vec4u) -> u32 {
         let op = n.x & OP_MASK;
         let slot = n.y + SLOT_LAYER_CURVE;

@@ -52,6 +52,15 @@ pub mod code {
         pub specular: Vec3f,
     }
 
+    /// Value and density of one lobe.
+    #[derive(Clone, Copy, Debug)]
+    pub struct LeafValue {
+        /// f·|cos θi|, sr⁻¹.
+        pub f: Vec3f,
+        /// Density of sampling `wi`, sr⁻¹.
+        pub pdf: f32,
+    }
+
     /// A sampled direction.
     #[derive(Clone, Copy, Debug)]
     pub struct BsdfSample {
@@ -105,16 +114,19 @@ pub mod code {
     pub const LAYER_FLOOR: f32 = 0.04;
 
     /// The root of the layer of node `n` at `index`.
+    #[wgsl_inline::always]
     pub fn layer_child(n: Vec4u, index: u32) -> u32 {
         select(index + 1, n.z, (n.x & FLAG_BASE_FIRST) != 0)
     }
 
     /// The root of the base of node `n` at `index`.
+    #[wgsl_inline::always]
     pub fn base_child(n: Vec4u, index: u32) -> u32 {
         select(n.z, index + 1, (n.x & FLAG_BASE_FIRST) != 0)
     }
 
     /// Which child of `n` is visited now: the one that needs less of the stack.
+    #[wgsl_inline::always]
     pub fn visit_now(n: Vec4u, layer: Visit, base: Visit) -> Visit {
         if (n.x & FLAG_BASE_FIRST) != 0 {
             return base;
@@ -123,6 +135,7 @@ pub mod code {
     }
 
     /// Which child of `n` waits.
+    #[wgsl_inline::always]
     pub fn visit_later(n: Vec4u, layer: Visit, base: Visit) -> Visit {
         if (n.x & FLAG_BASE_FIRST) != 0 {
             return layer;
@@ -136,6 +149,7 @@ pub mod code {
     }
 
     /// The slot of a layer's normal: its own or the inherited one.
+    #[wgsl_inline::always]
     pub fn layer_normal(n: Vec4u, inherited: u32) -> u32 {
         if (n.x & FLAG_VECTOR) == 0 {
             return inherited;
@@ -144,6 +158,7 @@ pub mod code {
     }
 
     /// Probability of choosing the layer when its curve, seen from `wo`, is `curve`.
+    #[wgsl_inline::always]
     pub fn layer_probability(n: Vec4u, p: ptr!(function, Params), curve: Vec3f) -> f32 {
         let weight = mean3(unit3(param3(p, n.y + SLOT_LAYER_WEIGHT)));
         let m = max(mean3(curve), LAYER_FLOOR * weight);
@@ -157,6 +172,7 @@ pub mod code {
     }
 
     /// The split of a layer with its normal in slot `normal` for a pair of directions.
+    #[wgsl_inline::always]
     pub fn layer_split(
         n: Vec4u,
         p: ptr!(function, Params),
@@ -181,8 +197,7 @@ pub mod code {
             return LayerSplit { layer: curve.half, base: splat3(1.0) - albedo, prob };
         }
         let prob = layer_probability(n, p, curve.seen);
-        let most = max(max(curve.seen, curve.lit), curve.front);
-        LayerSplit { layer: curve.half, base: splat3(1.0) - most, prob }
+        LayerSplit { layer: curve.half, base: splat3(1.0) - curve.most, prob }
     }
 
     /// Least difference from 1 of the index ratio of a rough interface under a film. Where nothing refracts,
@@ -190,6 +205,7 @@ pub mod code {
     pub const FILM_ETA: f32 = 1e-3;
 
     /// The GGX lobe of node `n`.
+    #[wgsl_inline::always]
     pub fn node_ggx(n: Vec4u, p: ptr!(function, Params), point: ShadingPoint) -> Ggx {
         let matched = (n.x & FLAG_FILM) != 0 && abs(point.eta - 1.0) < FILM_ETA;
         let mut lobe: Ggx = ggx_new(
@@ -233,8 +249,7 @@ pub mod code {
         point: ShadingPoint,
         o: Vec3f,
         i: Vec3f,
-    ) -> BsdfValue {
-        let zero = splat3(0.0);
+    ) -> LeafValue {
         let mut tint: Vec3f = unit3(param3(p, n.y + SLOT_TINT));
         let mut lobe: Glossy = node_glossy(n, p, point);
         if (n.x & FLAG_FILM) != 0 {
@@ -244,14 +259,14 @@ pub mod code {
         }
         let v = glossy_eval(lobe, o, i);
         if (n.x & FLAG_COLOR) == 0 || o.z <= 0.0 {
-            return BsdfValue { diffuse: zero, glossy: tint * v.f, pdf: v.pdf, specular: zero };
+            return LeafValue { f: tint * v.f, pdf: v.pdf };
         }
         let multiple = node_multiple(n, p);
         let m = multiscatter_new(lobe, o);
         let more = multiscatter_eval(m, lobe, i);
         let q = multiscatter_single(m, tint, multiple);
         let pdf = q * v.pdf + (1.0 - q) * more.pdf;
-        BsdfValue { diffuse: zero, glossy: tint * v.f + multiple * more.f, pdf, specular: zero }
+        LeafValue { f: tint * v.f + multiple * more.f, pdf }
     }
 
     /// A direction from the glossy lobe at node `n`, in its frame.
@@ -315,7 +330,14 @@ pub mod code {
         unit3(result)
     }
 
+    /// Whether a lobe is a diffuse one.
+    #[wgsl_inline::always]
+    pub fn op_is_diffuse(op: u32) -> bool {
+        op == OP_DIFFUSE_REFLECTION || op == OP_DIFFUSE_TRANSMISSION || op == OP_DUSTY_DIFFUSE
+    }
+
     /// Whether the lobe at node `n` needs a frame of its own.
+    #[wgsl_inline::always]
     pub fn node_is_turned(n: Vec4u, normal: u32) -> bool {
         normal != NO_SLOT || (n.x & FLAG_VECTOR) != 0
     }
@@ -329,13 +351,30 @@ pub mod code {
         frame_from_normal(z)
     }
 
+    /// A pair of directions.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Directions {
+        /// Towards the eye.
+        pub wo: Vec3f,
+        /// Towards the light.
+        pub wi: Vec3f,
+    }
+
+    /// Both directions in the frame of the lobe at node `n`.
+    pub fn node_local(n: Vec4u, p: ptr!(function, Params), normal: u32, wo: Vec3f, wi: Vec3f) -> Directions {
+        let frame = node_frame(n, p, normal);
+        Directions { wo: frame_to_local(frame, wo), wi: frame_to_local(frame, wi) }
+    }
+
     /// The node behind the one visited: a waiting subtree, or none.
+    #[wgsl_inline::always]
     pub fn bsdf_node(program: ptr!(function, Program), index: u32) -> Vec4u {
         program.nodes[index as usize]
     }
 
     /// Value and density of the whole tree. `specular_node` names the specular lobe whose weight is
     /// asked for, or `NO_NODE`.
+    #[wgsl_inline::always]
     pub fn bsdf_visit(
         program: ptr!(function, Program),
         p: ptr!(function, Params),
@@ -344,8 +383,10 @@ pub mod code {
         wi: Vec3f,
         specular_node: u32,
     ) -> BsdfValue {
-        let zero = splat3(0.0);
-        let mut result: BsdfValue = BsdfValue { diffuse: zero, glossy: zero, pdf: 0.0, specular: zero };
+        let mut diffuse: Vec3f = splat3(0.0);
+        let mut glossy: Vec3f = splat3(0.0);
+        let mut pdf: f32 = 0.0;
+        let mut specular: Vec3f = splat3(0.0);
         let mut visit: Visit = visit_root();
         let mut stack: [Visit; 6] = [visit, visit, visit, visit, visit, visit];
         let mut depth: u32 = 0;
@@ -382,12 +423,16 @@ pub mod code {
                 visit.node += 1;
             } else {
                 if visit.node == specular_node {
-                    result.specular = visit.weight;
+                    specular = visit.weight;
                 }
                 let leaf = leaf_eval(program, n, p, point, visit.normal, wo, wi, transmits);
-                result.diffuse += visit.weight * leaf.diffuse;
-                result.glossy += visit.weight * leaf.glossy;
-                result.pdf += visit.prob * leaf.pdf;
+                let f = visit.weight * leaf.f;
+                if op_is_diffuse(op) {
+                    diffuse += f;
+                } else {
+                    glossy += f;
+                }
+                pdf += visit.prob * leaf.pdf;
                 running = depth > 0;
                 if running {
                     depth -= 1;
@@ -395,10 +440,11 @@ pub mod code {
                 }
             }
         }
-        result
+        BsdfValue { diffuse, glossy, pdf, specular }
     }
 
     /// Value and density of the lobe at node `n`, tint included.
+    #[wgsl_inline::always]
     pub fn leaf_eval(
         program: ptr!(function, Program),
         n: Vec4u,
@@ -408,19 +454,18 @@ pub mod code {
         wo: Vec3f,
         wi: Vec3f,
         transmits: bool,
-    ) -> BsdfValue {
-        let zero = splat3(0.0);
+    ) -> LeafValue {
         let op = n.x & OP_MASK;
-        let mut result: BsdfValue = BsdfValue { diffuse: zero, glossy: zero, pdf: 0.0, specular: zero };
+        let mut result: LeafValue = LeafValue { f: splat3(0.0), pdf: 0.0 };
         if op == OP_BLACK || op == OP_SPECULAR {
             return result;
         }
         let mut o: Vec3f = wo;
         let mut i: Vec3f = wi;
         if node_is_turned(n, normal) {
-            let frame = node_frame(n, p, normal);
-            o = frame_to_local(frame, wo);
-            i = frame_to_local(frame, wi);
+            let local = node_local(n, p, normal, wo, wi);
+            o = local.wo;
+            i = local.wi;
         }
         // A bumped normal must not let light through, nor hold back what passes.
         if (i.z < 0.0) != transmits {
@@ -430,37 +475,40 @@ pub mod code {
         if op == OP_DIFFUSE_REFLECTION {
             let lobe = diffuse_reflection_new(param(p, n.y + SLOT_DIFFUSE_ROUGHNESS));
             let v = diffuse_reflection_eval(lobe, o, i);
-            result.diffuse = tint * v.single;
+            result.f = tint * v.single;
             if (n.x & FLAG_COLOR) != 0 {
-                result.diffuse += unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE)) * v.multiple;
+                result.f += unit3(param3(p, n.y + SLOT_DIFFUSE_MULTIPLE)) * v.multiple;
             }
             result.pdf = v.pdf;
         } else if op == OP_DIFFUSE_TRANSMISSION {
             let v = diffuse_transmission_eval(o, i);
-            result.diffuse = tint * v.f;
+            result.f = tint * v.f;
             result.pdf = v.pdf;
         } else if op == OP_DUSTY_DIFFUSE {
-            result.diffuse = dusty_diffuse_eval(tint, o, i);
+            result.f = dusty_diffuse_eval(tint, o, i);
             result.pdf = select(0.0, max(i.z, 0.0) * FRAC_1_PI, o.z > 0.0);
         } else if op == OP_MICROFLAKE {
             let v = microflake_eval(microflake_new(param(p, n.y + SLOT_GLOSSY_ALPHA), o), o, i);
-            result.glossy = tint * v.f;
+            result.f = tint * v.f;
             result.pdf = v.pdf;
         } else if op == OP_GGX_SMITH && (n.x & (FLAG_COLOR | FLAG_FILM)) == 0 {
             let v = ggx_eval(node_ggx(n, p, point), o, i);
-            result.glossy = tint * v.f;
+            result.f = tint * v.f;
             result.pdf = v.pdf;
         } else if op == OP_MEASURED_BSDF {
             let v = node_measured_eval(program, n, p, o, i);
-            result.glossy = v.f;
+            result.f = v.f;
             result.pdf = v.density;
         } else {
-            result = node_glossy_eval(n, p, point, o, i);
+            let v = node_glossy_eval(n, p, point, o, i);
+            result.f = v.f;
+            result.pdf = v.pdf;
         }
         result
     }
 
     /// A direction from the lobe at node `n`.
+    #[wgsl_inline::always]
     pub fn leaf_sample(
         program: ptr!(function, Program),
         n: Vec4u,
@@ -507,6 +555,7 @@ pub mod code {
     }
 
     /// Value and density of a tree; specular lobes have neither.
+    #[wgsl_inline::always]
     pub fn bsdf_eval(
         program: ptr!(function, Program),
         p: ptr!(function, Params),

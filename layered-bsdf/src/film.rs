@@ -76,7 +76,7 @@ pub mod code {
     /// An index of refraction limited to what the formulas are made for; one that is no number, or not
     /// positive, is `fallback`.
     pub fn sane_ior(ior: f32, fallback: f32) -> f32 {
-        select(fallback, clamp(ior, 1e-3, 1e3), ior > 0.0)
+        select(fallback, limit(ior, 1e-3, 1e3), ior > 0.0)
     }
 
     /// √(N² − n₁² sin²θ) of a medium N = n + ik, for light at cosine `c` in a medium of index `n1`; both parts

@@ -28,6 +28,7 @@ pub mod code {
     }
 
     /// `v` at unit length; `fallback` where `v` has no direction (zero, or not finite).
+    #[wgsl_inline::always]
     pub fn normalize_or(v: Vec3f, fallback: Vec3f) -> Vec3f {
         let d = dot(v, v);
         // Squares of components below 1e-19 vanish: such a vector has no direction left to keep.
@@ -68,19 +69,27 @@ pub mod code {
         f.x * v.x + f.y * v.y + f.z * v.z
     }
 
+    /// `x` limited to [low, high]; a NaN becomes `low`.
+    #[wgsl_inline::always]
+    pub fn limit(x: f32, low: f32, high: f32) -> f32 {
+        min(max(x, low), high)
+    }
+
     /// `x` limited to [0, 1]; a NaN becomes 0.
+    #[wgsl_inline::always]
     pub fn unit(x: f32) -> f32 {
-        select(0.0, min(x, 1.0), x > 0.0)
+        limit(x, 0.0, 1.0)
     }
 
     /// Each component limited to [0, 1]; a NaN becomes 0.
+    #[wgsl_inline::always]
     pub fn unit3(v: Vec3f) -> Vec3f {
         vec3f(unit(v.x), unit(v.y), unit(v.z))
     }
 
     /// `v` limited to be not negative; a NaN becomes 0, infinity the largest number.
     pub fn nonnegative(x: f32) -> f32 {
-        select(0.0, min(x, 3.4028234e38), x > 0.0)
+        limit(x, 0.0, 3.4028234e38)
     }
 
     /// Largest component.
@@ -89,11 +98,13 @@ pub mod code {
     }
 
     /// Mean of the components.
+    #[wgsl_inline::always]
     pub fn mean3(v: Vec3f) -> f32 {
         (v.x + v.y + v.z) * (1.0 / 3.0)
     }
 
     /// All components equal to `x`.
+    #[wgsl_inline::always]
     pub fn splat3(x: f32) -> Vec3f {
         vec3f(x, x, x)
     }

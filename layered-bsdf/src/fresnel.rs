@@ -19,6 +19,7 @@ pub mod code {
     /// rp = k(c²(η²+1) − 1)/(η²c + g)²: the differences of nearly equal numbers in the textbook form
     /// (Born and Wolf, "Principles of Optics", §1.5.2, eq. 21a) are taken out before rounding. At η² = 1 + 1e-6 the textbook
     /// form keeps one digit, this one six.
+    #[wgsl_inline::always]
     pub fn fresnel_dielectric(c: f32, eta: f32) -> f32 {
         let k = (eta - 1.0) * (eta + 1.0);
         let g2 = k + c * c;
@@ -37,8 +38,9 @@ pub mod code {
 
     /// `eta` kept in the range that the formulas here are tested for; a value that is no number, or not
     /// positive, is an index-matched interface.
+    #[wgsl_inline::always]
     pub fn sane_eta(eta: f32) -> f32 {
-        select(1.0, clamp(eta, 1e-3, 1e3), eta > 0.0)
+        select(1.0, limit(eta, 1e-3, 1e3), eta > 0.0)
     }
 
     /// The weight (1 − c)^exponent of Schlick's curve (C. Schlick, "An Inexpensive BRDF Model for
@@ -58,6 +60,7 @@ pub mod code {
     /// Cosine between `wo` and the half vector, with `wi` mirrored to the side of `wo` where it lies on
     /// the other side of the plane with normal n. A factor that depends on the angle at a microfacet is
     /// looked up with it, for reflection and transmission alike. Given are n·wo, n·wi and wo·wi.
+    #[wgsl_inline::always]
     pub fn half_cosine(no: f32, ni: f32, oi: f32) -> f32 {
         // Mirroring at the plane adds −2 (n·wo)(n·wi) to the product.
         let product = oi - min(2.0 * no * ni, 0.0);

@@ -160,13 +160,17 @@ pub mod code {
     }
 
     /// The parameter in a slot.
+    #[wgsl_inline::always]
     pub fn param(p: ptr!(function, Params), slot: u32) -> f32 {
-        p.v[slot as usize]
+        p.v[select(383u32, slot, slot < 384u32) as usize]
     }
 
     /// The three parameters from a slot on.
+    #[wgsl_inline::always]
     pub fn param3(p: ptr!(function, Params), slot: u32) -> Vec3f {
-        vec3f(p.v[slot as usize], p.v[(slot + 1) as usize], p.v[(slot + 2) as usize])
+        // One limit instead of three checks of bounds.
+        let first = select(381u32, slot, slot < 382u32);
+        vec3f(p.v[first as usize], p.v[(first + 1) as usize], p.v[(first + 2) as usize])
     }
 }
 pub use code::*;

@@ -11,6 +11,7 @@ pub mod code {
 
     /// A point of the unit disc for `u` in [0, 1)²: the concentric map, which keeps areas and
     /// neighbourhoods (P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square", 1997).
+    #[wgsl_inline::always]
     pub fn sample_concentric_disc(u: Vec2f) -> Vec2f {
         let a = 2.0 * u.x - 1.0;
         let b = 2.0 * u.y - 1.0;
@@ -26,15 +27,17 @@ pub mod code {
     }
 
     /// A direction of the upper hemisphere with density cos θ / π. Its z is 0 for at most one `u`.
+    #[wgsl_inline::always]
     pub fn sample_cosine_hemisphere(u: Vec2f) -> Vec3f {
         let d = sample_concentric_disc(u);
         vec3f(d.x, d.y, sqrt(max(1.0 - (d.x * d.x + d.y * d.y), 0.0)))
     }
 
     /// `u` after a choice with probability `prob` used part of it: uniform again, and below 1.
+    #[wgsl_inline::always]
     pub fn reuse_random(u: f32, prob: f32, chosen: bool) -> f32 {
         let rest = select((u - prob) / (1.0 - prob), u / prob, chosen);
-        clamp(rest, 0.0, 0.99999994)
+        limit(rest, 0.0, 0.99999994)
     }
 }
 pub use code::*;

@@ -45,6 +45,7 @@ pub mod code {
     }
 
     /// The lobe for a roughness, which is limited to [0, 1].
+    #[wgsl_inline::always]
     pub fn diffuse_reflection_new(roughness: f32) -> DiffuseReflection {
         let r = unit(roughness);
         let a = 1.0 / (1.0 + FUJII_LOSS * r);
@@ -52,6 +53,7 @@ pub mod code {
     }
 
     /// Value and density for directions on the upper side; zero elsewhere.
+    #[wgsl_inline::always]
     pub fn diffuse_reflection_eval(lobe: DiffuseReflection, wo: Vec3f, wi: Vec3f) -> DiffuseValue {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return DiffuseValue { single: 0.0, multiple: 0.0, pdf: 0.0 };
@@ -72,6 +74,7 @@ pub mod code {
     }
 
     /// A cosine-weighted direction.
+    #[wgsl_inline::always]
     pub fn diffuse_reflection_sample(u: Vec2f) -> LobeSample {
         let wi = sample_cosine_hemisphere(u);
         if wi.z <= 0.0 {

@@ -19,7 +19,6 @@ use wgsl_rs::wgsl;
 pub mod code {
     //! Shared with the GPU.
     use crate::frame::code::*;
-    use crate::fresnel::code::*;
     use crate::lobes::code::*;
     use crate::lobes::specular::code::*;
     use crate::math::code::*;
@@ -49,17 +48,20 @@ pub mod code {
     }
 
     /// Roughness limited to what the lobe is made for; a NaN is as good as smooth.
+    #[wgsl_inline::always]
     pub fn sane_alpha(alpha: f32) -> f32 {
-        select(ALPHA_MIN, min(alpha, 1.0), alpha > ALPHA_MIN)
+        limit(alpha, ALPHA_MIN, 1.0)
     }
 
     /// The lobe for roughnesses as authored and a sane index ratio.
+    #[wgsl_inline::always]
     pub fn ggx_new(alpha_x: f32, alpha_y: f32, mode: u32, thin_walled: bool, eta: f32) -> Ggx {
         let alpha = vec2f(sane_alpha(alpha_x), sane_alpha(alpha_y));
-        Ggx { alpha, mode, thin_walled, eta: sane_eta(eta), reflected: -1.0, correlated: false }
+        Ggx { alpha, mode, thin_walled, eta, reflected: -1.0, correlated: false }
     }
 
     /// √(z² + αx²x² + αy²y²): the length of `w` after the stretch to a hemisphere of roughness 1.
+    #[wgsl_inline::always]
     pub fn ggx_stretch(alpha: Vec2f, w: Vec3f) -> f32 {
         let x = alpha.x * w.x;
         let y = alpha.y * w.y;
@@ -67,6 +69,7 @@ pub mod code {
     }
 
     /// Smith's masking G1 for a direction on either side.
+    #[wgsl_inline::always]
     pub fn ggx_g1(alpha: Vec2f, w: Vec3f) -> f32 {
         let z = abs(w.z);
         2.0 * z / (z + ggx_stretch(alpha, w))
@@ -74,6 +77,7 @@ pub mod code {
 
     /// G2/G1(wo) for a direction on either side; `stretch` is that of `wo`. With σ = ½(z + s), separable Smith is
     /// z/σ of `wi`; at correlated heights 1 + Λo + Λi divides instead.
+    #[wgsl_inline::always]
     pub fn ggx_shadowing(lobe: Ggx, wo: Vec3f, stretch: f32, wi: Vec3f) -> f32 {
         if !lobe.correlated {
             return ggx_g1(lobe.alpha, wi);
@@ -83,6 +87,7 @@ pub mod code {
     }
 
     /// D at the direction of `h`, which need not have unit length; `h2` is its squared length.
+    #[wgsl_inline::always]
     pub fn ggx_d(alpha: Vec2f, h: Vec3f, h2: f32) -> f32 {
         let x = h.x / alpha.x;
         let y = h.y / alpha.y;
@@ -91,6 +96,7 @@ pub mod code {
     }
 
     /// The factor k of the bounded cap: 1 is the whole cap of visible normals.
+    #[wgsl_inline::always]
     pub fn ggx_cap_bound(lobe: Ggx, wo: Vec3f) -> f32 {
         if lobe.mode != MODE_REFLECT {
             return 1.0;
@@ -102,6 +108,7 @@ pub mod code {
     }
 
     /// Value and density for any `wi`.
+    #[wgsl_inline::always]
     pub fn ggx_eval(lobe: Ggx, wo: Vec3f, wi: Vec3f) -> LobeValue {
         if wo.z <= 0.0 || wi.z == 0.0 {
             return lobe_zero();
@@ -129,6 +136,7 @@ pub mod code {
     }
 
     /// The reflected share of energy at a facet seen at cosine `c`.
+    #[wgsl_inline::always]
     pub fn ggx_reflectance(lobe: Ggx, c: f32) -> f32 {
         if lobe.reflected >= 0.0 {
             return lobe.reflected;
@@ -174,6 +182,7 @@ pub mod code {
     }
 
     /// A facet normal visible from `wo`, on the cap that `bound` leaves.
+    #[wgsl_inline::always]
     pub fn ggx_sample_normal(alpha: Vec2f, wo: Vec3f, bound: f32, u: Vec2f) -> Vec3f {
         let up = vec3f(0.0, 0.0, 1.0);
         let stretched = normalize_or(vec3f(wo.x * alpha.x, wo.y * alpha.y, wo.z), up);
@@ -186,6 +195,7 @@ pub mod code {
     }
 
     /// A direction; `uc` chooses between reflection and transmission.
+    #[wgsl_inline::always]
     pub fn ggx_sample(lobe: Ggx, wo: Vec3f, u: Vec2f, uc: f32) -> LobeSample {
         if wo.z <= 0.0 {
             return lobe_absorb();

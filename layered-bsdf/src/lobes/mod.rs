@@ -67,11 +67,13 @@ pub mod code {
     }
 
     /// No direction.
+    #[wgsl_inline::always]
     pub fn lobe_absorb() -> LobeSample {
         LobeSample { wi: vec3f(0.0, 0.0, 1.0), event: EVENT_ABSORB }
     }
 
     /// The directions of a lobe without density: `f` and `pdf` zero.
+    #[wgsl_inline::always]
     pub fn lobe_zero() -> LobeValue {
         LobeValue { f: 0.0, pdf: 0.0 }
     }

@@ -13,6 +13,7 @@ pub mod code {
     use wgsl_rs::std::*;
 
     /// The reflected share of energy at cosine `c` for a scatter mode.
+    #[wgsl_inline::always]
     pub fn specular_reflectance(mode: u32, c: f32, eta: f32) -> f32 {
         if mode == MODE_REFLECT {
             return 1.0;
