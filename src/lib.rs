@@ -24,7 +24,7 @@ pub use function::Function;
 pub use layered_bsdf::prelude::BsdfOptions;
 pub use material::Material;
 pub use mdl_frontend::value::Value;
-pub use probe::{Evaluation, Probe, Sample, SurfacePoint};
+pub use probe::{Auxiliary, Evaluation, Probe, Sample, SurfacePoint};
 pub use renderer::film::Film;
 pub use renderer::progress::{Progress, Silent};
 pub use renderer::render::Render;

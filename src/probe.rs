@@ -49,6 +49,19 @@ pub struct Sample {
     pub event: u32,
 }
 
+/// Albedo, normal and roughness, seen from one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Auxiliary {
+    /// Share of energy that diffuse lobes scatter.
+    pub diffuse: [f32; 3],
+    /// Share of energy that glossy and specular lobes scatter.
+    pub glossy: [f32; 3],
+    /// Mean of the lobes' normals in the frame of the point, unit length.
+    pub normal: [f32; 3],
+    /// Mean of the lobes' roughness along the tangents: 0 of a mirror, 1 of a diffuse lobe.
+    pub roughness: [f32; 2],
+}
+
 /// A material's BSDF at one point. Directions are in the frame of the point and have unit length.
 #[derive(Clone)]
 pub struct Probe {
@@ -114,6 +127,17 @@ impl Probe {
     pub fn albedo(&mut self, wo: [f32; 3]) -> [f32; 3] {
         let a = bsdf_albedo(&mut self.program, &mut self.params, self.point, vector(wo));
         array(a.diffuse + a.glossy)
+    }
+
+    /// What a denoiser asks for.
+    pub fn auxiliary(&mut self, wo: [f32; 3]) -> Auxiliary {
+        let a = bsdf_auxiliary(&mut self.program, &mut self.params, self.point, vector(wo));
+        Auxiliary {
+            diffuse: array(a.diffuse),
+            glossy: array(a.glossy),
+            normal: array(a.normal),
+            roughness: [a.roughness.x, a.roughness.y],
+        }
     }
 
     /// The share of energy that is scattered, by samples: the mean weight of `count` of them.

@@ -2441,11 +2441,6 @@ struct BsdfSample {
     event: u32
 }
 
-struct BsdfAlbedo {
-    diffuse: vec3f,
-    glossy: vec3f
-}
-
 struct Visit {
     node: u32,
     weight: vec3f,
@@ -2623,16 +2618,6 @@ fn node_specular_reflectance(n: vec4u, p: ptr<function, Params>, point: ShadingP
         return splat3(0.0);
     }
     return splat3(specular_reflectance(n.w, c, point.eta));
-}
-
-fn node_glossy_albedo(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, o: vec3f) -> vec3f {
-    let lobe = node_glossy(n, p, point);
-    var result: vec3f = (unit3(param3(p, (n.y + SLOT_TINT))) * glossy_albedo(lobe, o));
-    if ((n.x & FLAG_COLOR) != 0u) {
-        let m = multiscatter_new(lobe, o);
-        result += (node_multiple(n, p) * (m.loss * (m.reflected + m.transmitted)));
-    }
-    return unit3(result);
 }
 
 fn op_is_diffuse(op: u32) -> bool {
@@ -2842,6 +2827,71 @@ fn bsdf_eval(
 ) -> BsdfValue {
     return bsdf_visit(program, p, point, wo, wi, NO_NODE);
 }
+
+fn bsdf_sample(
+    program: ptr<function, Program>,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    wo: vec3f,
+    u: vec3f,
+) -> BsdfSample {
+    var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, splat3(0.0), EVENT_ABSORB);
+    var node: u32 = 0u;
+    var normal: u32 = NO_SLOT;
+    var prob: f32 = 1.0;
+    var uz: f32 = u.z;
+    var n: vec4u = bsdf_node(program, node);
+    while ((n.x & OP_MASK) >= OP_TINT) {
+        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
+            let own = layer_normal(n, normal);
+            let z = normal_at(p, own);
+            let c = unit(abs(dot(z, wo)));
+            var seen: vec3f = layer_seen(n, p, point, c);
+            if layer_conserves(n, p, point) {
+                seen = layer_albedo(n, p, c);
+            }
+            let q = layer_probability(n, p, seen);
+            let layer = (uz < q);
+            uz = reuse_random(uz, q, layer);
+            prob *= select((1.0 - q), q, layer);
+            node = select(base_child(n, node), layer_child(n, node), layer);
+            normal = select(normal, own, layer);
+        } else {
+            node += 1u;
+        }
+        n = bsdf_node(program, node);
+    }
+    let s = leaf_sample(program, n, p, point, normal, wo, vec3f(u.x, u.y, uz));
+    let transmits = ((s.event & EVENT_TRANSMISSION) != 0u);
+    let crosses = (dot(point.geometry_normal, s.wi) < 0.0);
+    if ((s.event == EVENT_ABSORB) || (transmits != crosses)) {
+        return result;
+    }
+    if ((s.event & EVENT_SPECULAR) != 0u) {
+        let v = bsdf_visit(program, p, point, wo, s.wi, node);
+        result.weight = ((v.specular * unit3(param3(p, (n.y + SLOT_TINT)))) * (1.0 / prob));
+        if ((n.x & FLAG_FILM) != 0u) {
+            let c = unit(dot(normal_at(p, normal), wo));
+            let film = node_film_reflectance(n, p, point, c);
+            result.weight *= film_tone(film, !transmits);
+        }
+        result.wi = s.wi;
+        result.event = s.event;
+        return result;
+    }
+    let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
+    if (v.pdf > 0.0) {
+        result.weight = ((v.diffuse + v.glossy) * (1.0 / v.pdf));
+        result.wi = s.wi;
+        result.pdf = v.pdf;
+        result.event = s.event;
+    }
+    return result;
+}
+struct BsdfAlbedo {
+    diffuse: vec3f,
+    glossy: vec3f
+}
 const ALBEDO_POINTS: u32 = 64u;
 
 fn bsdf_albedo(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAlbedo {
@@ -2951,65 +3001,85 @@ fn leaf_albedo(
     return result;
 }
 
-fn bsdf_sample(
-    program: ptr<function, Program>,
-    p: ptr<function, Params>,
-    point: ShadingPoint,
-    wo: vec3f,
-    u: vec3f,
-) -> BsdfSample {
-    var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, splat3(0.0), EVENT_ABSORB);
-    var node: u32 = 0u;
-    var normal: u32 = NO_SLOT;
-    var prob: f32 = 1.0;
-    var uz: f32 = u.z;
-    var n: vec4u = bsdf_node(program, node);
-    while ((n.x & OP_MASK) >= OP_TINT) {
-        if ((n.x & OP_MASK) >= OP_WEIGHTED_LAYER) {
-            let own = layer_normal(n, normal);
-            let z = normal_at(p, own);
-            let c = unit(abs(dot(z, wo)));
+fn node_glossy_albedo(n: vec4u, p: ptr<function, Params>, point: ShadingPoint, o: vec3f) -> vec3f {
+    let lobe = node_glossy(n, p, point);
+    var result: vec3f = (unit3(param3(p, (n.y + SLOT_TINT))) * glossy_albedo(lobe, o));
+    if ((n.x & FLAG_COLOR) != 0u) {
+        let m = multiscatter_new(lobe, o);
+        result += (node_multiple(n, p) * (m.loss * (m.reflected + m.transmitted)));
+    }
+    return unit3(result);
+}
+struct BsdfAuxiliary {
+    diffuse: vec3f,
+    glossy: vec3f,
+    normal: vec3f,
+    roughness: vec2f
+}
+
+fn leaf_roughness(n: vec4u, p: ptr<function, Params>) -> vec2f {
+    let op = (n.x & OP_MASK);
+    if (op == OP_SPECULAR) {
+        return vec2f(0.0, 0.0);
+    }
+    if (op == OP_MICROFLAKE) {
+        let alpha = unit(param(p, (n.y + SLOT_GLOSSY_ALPHA)));
+        return vec2f(alpha, alpha);
+    }
+    if ((op >= OP_GGX_SMITH) && (op <= OP_SHEEN)) {
+        return vec2f(sane_alpha(param(p, (n.y + SLOT_GLOSSY_ALPHA))), sane_alpha(param(p, ((n.y + SLOT_GLOSSY_ALPHA) + 1u))));
+    }
+    return vec2f(1.0, 1.0);
+}
+
+fn bsdf_auxiliary(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAuxiliary {
+    let albedo = bsdf_albedo(program, p, point, wo);
+    var normal: vec3f = splat3(0.0);
+    var roughness: vec2f = vec2f(0.0, 0.0);
+    var total: f32 = 0.0;
+    var visit: Visit = visit_root();
+    var stack: array<Visit, 6> = array(visit, visit, visit, visit, visit, visit);
+    var depth: u32 = 0u;
+    var running: bool = true;
+    while running {
+        let n = bsdf_node(program, visit.node);
+        let op = (n.x & OP_MASK);
+        if (op >= OP_WEIGHTED_LAYER) {
+            let own = layer_normal(n, visit.normal);
+            let c = unit(abs(dot(normal_at(p, own), wo)));
             var seen: vec3f = layer_seen(n, p, point, c);
             if layer_conserves(n, p, point) {
                 seen = layer_albedo(n, p, c);
             }
-            let q = layer_probability(n, p, seen);
-            let layer = (uz < q);
-            uz = reuse_random(uz, q, layer);
-            prob *= select((1.0 - q), q, layer);
-            node = select(base_child(n, node), layer_child(n, node), layer);
-            normal = select(normal, own, layer);
+            let layer = Visit(layer_child(n, visit.node), (visit.weight * seen), 1.0, own);
+            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - seen)), 1.0, visit.normal);
+            stack[u32(depth)] = visit_later(n, layer, base);
+            visit = visit_now(n, layer, base);
+            depth += 1u;
+        } else if (op == OP_MEASURED_PICTURE) {
+            visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wo);
+            visit.node += 1u;
+        } else if (op >= OP_TINT) {
+            visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
+            visit.node += 1u;
         } else {
-            node += 1u;
+            let leaf = leaf_albedo(program, n, p, point, visit.normal, wo);
+            let share = nonnegative(mean3((visit.weight * (leaf.diffuse + leaf.glossy))));
+            normal += (normal_at(p, visit.normal) * share);
+            roughness += (leaf_roughness(n, p) * share);
+            total += share;
+            running = (depth > 0u);
+            if running {
+                depth -= 1u;
+                visit = stack[u32(depth)];
+            }
         }
-        n = bsdf_node(program, node);
     }
-    let s = leaf_sample(program, n, p, point, normal, wo, vec3f(u.x, u.y, uz));
-    let transmits = ((s.event & EVENT_TRANSMISSION) != 0u);
-    let crosses = (dot(point.geometry_normal, s.wi) < 0.0);
-    if ((s.event == EVENT_ABSORB) || (transmits != crosses)) {
-        return result;
+    if !(total > 1e-20) {
+        roughness = vec2f(1.0, 1.0);
+        total = 1.0;
     }
-    if ((s.event & EVENT_SPECULAR) != 0u) {
-        let v = bsdf_visit(program, p, point, wo, s.wi, node);
-        result.weight = ((v.specular * unit3(param3(p, (n.y + SLOT_TINT)))) * (1.0 / prob));
-        if ((n.x & FLAG_FILM) != 0u) {
-            let c = unit(dot(normal_at(p, normal), wo));
-            let film = node_film_reflectance(n, p, point, c);
-            result.weight *= film_tone(film, !transmits);
-        }
-        result.wi = s.wi;
-        result.event = s.event;
-        return result;
-    }
-    let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
-    if (v.pdf > 0.0) {
-        result.weight = ((v.diffuse + v.glossy) * (1.0 / v.pdf));
-        result.wi = s.wi;
-        result.pdf = v.pdf;
-        result.event = s.event;
-    }
-    return result;
+    return BsdfAuxiliary(albedo.diffuse, albedo.glossy, normalize_or(normal, vec3f(0.0, 0.0, 1.0)), (roughness * (1.0 / total)));
 }
 const SPREAD_MIN: f32 = 1e-3;
 const SPOT_MOST: f32 = 1e6;

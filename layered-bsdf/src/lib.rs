@@ -35,7 +35,9 @@
     missing_docs,
     reason = "the macro that prints WGSL adds a static without documentation to each module"
 )]
+pub mod albedo;
 pub mod alias;
+pub mod auxiliary;
 pub mod conserve;
 pub mod curves;
 pub mod describe;

@@ -5,6 +5,8 @@ use wgsl_rs::wgsl;
 #[wgsl]
 pub mod code {
     //! Everything, for the one text.
+    pub use crate::albedo::code::*;
+    pub use crate::auxiliary::code::*;
     pub use crate::edf::code::*;
     pub use crate::evaluator::code::*;
     pub use crate::lobes::hair::code::*;

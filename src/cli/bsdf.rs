@@ -5,7 +5,7 @@ use super::{
     Assignment, Beyond, Fail, SearchPaths, Target, json, open_material, parse_direction, parse_vector,
 };
 use lacquer::hair::HairProbe;
-use lacquer::{Error, Evaluation, Probe, SurfacePoint};
+use lacquer::{Auxiliary, Error, Evaluation, Probe, SurfacePoint};
 use mdl_jit::Executor;
 use serde_json::{Map, json};
 
@@ -72,6 +72,8 @@ enum Verb {
     Albedo,
     /// The same by quadrature of `eval` and by sampling
     Furnace,
+    /// Albedo of diffuse and of other lobes, mean normal and roughness, as denoisers want them
+    Auxiliary,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -135,6 +137,8 @@ trait Scattering {
     fn sample(&mut self, wo: [f32; 3], xi: [f32; 3]) -> ([f32; 3], f32, [f32; 3], Option<u32>);
     /// None if it is known by integration alone.
     fn albedo(&mut self, wo: [f32; 3]) -> Option<[f32; 3]>;
+    /// None if there is no normal.
+    fn auxiliary(&mut self, wo: [f32; 3]) -> Option<Auxiliary>;
     /// The albedo by quadrature and by sampling.
     fn furnace(&mut self, wo: [f32; 3], samples: u32) -> [[f64; 3]; 2];
 }
@@ -157,6 +161,10 @@ impl Scattering for Probe {
         Some(self.albedo(wo))
     }
 
+    fn auxiliary(&mut self, wo: [f32; 3]) -> Option<Auxiliary> {
+        Some(self.auxiliary(wo))
+    }
+
     fn furnace(&mut self, wo: [f32; 3], samples: u32) -> [[f64; 3]; 2] {
         [self.furnace_by_eval(wo), self.furnace_by_sample(wo, samples)]
     }
@@ -177,6 +185,10 @@ impl Scattering for HairProbe {
     }
 
     fn albedo(&mut self, _: [f32; 3]) -> Option<[f32; 3]> {
+        None
+    }
+
+    fn auxiliary(&mut self, _: [f32; 3]) -> Option<Auxiliary> {
         None
     }
 
@@ -208,6 +220,14 @@ fn answer(
             object.insert("pdf".to_string(), json::float(pdf));
             object.insert("weight".to_string(), json::floats(weight));
             object.extend(event.map(|event| ("event".to_string(), json!(event_name(event)))));
+        }
+        Verb::Auxiliary => {
+            let found = probe.auxiliary(wo);
+            let found = found.ok_or_else(|| Fail::Usage("hair has no auxiliary outputs".to_string()))?;
+            object.insert("albedo_diffuse".to_string(), json::floats(found.diffuse));
+            object.insert("albedo_glossy".to_string(), json::floats(found.glossy));
+            object.insert("normal".to_string(), json::floats(found.normal));
+            object.insert("roughness".to_string(), found.roughness.map(json::float).to_vec().into());
         }
         Verb::Albedo | Verb::Furnace => {
             if verb == Verb::Albedo

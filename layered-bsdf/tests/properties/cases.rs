@@ -69,6 +69,11 @@ impl Setup {
     pub fn albedo(&mut self, wo: Vec3f) -> BsdfAlbedo {
         bsdf_albedo(&mut self.program, &mut self.params, self.point, wo)
     }
+
+    /// The auxiliary outputs.
+    pub fn auxiliary(&mut self, wo: Vec3f) -> BsdfAuxiliary {
+        bsdf_auxiliary(&mut self.program, &mut self.params, self.point, wo)
+    }
 }
 
 /// Seen from the medium of index `near`, with `far` behind, no bump.

@@ -30,6 +30,11 @@ fn check_albedo(name: &str, setup: &mut crate::cases::Setup, wo: Vec3f) {
     for x in [albedo.diffuse.x, albedo.diffuse.z, albedo.glossy.x, albedo.glossy.y] {
         assert!((0.0..=1.0).contains(&x), "{name}: {wo:?} {albedo:?}");
     }
+    let auxiliary = setup.auxiliary(wo);
+    let (n, r) = (auxiliary.normal, auxiliary.roughness);
+    let length = n.x * n.x + n.y * n.y + n.z * n.z;
+    let rough = (0.0..=1.000_001).contains(&r.x) && (0.0..=1.000_001).contains(&r.y);
+    assert!((length - 1.0).abs() < 1e-5 && n.z >= 0.0 && rough, "{name}: {wo:?} {auxiliary:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 mod agreement;
 mod albedo;
+mod auxiliary;
 mod cases;
 mod chi_square;
 mod corners;

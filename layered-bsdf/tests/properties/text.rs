@@ -14,6 +14,7 @@ fn the_library_is_valid_wgsl() {
         "bsdf_eval",
         "bsdf_sample",
         "bsdf_albedo",
+        "bsdf_auxiliary",
         "edf_eval",
         "edf_sample",
         "vdf_eval",
