@@ -109,7 +109,7 @@ fn precise(tree: &Tree<f32>, point: ShadingPoint, pairs: &[(Vec3f, Vec3f)]) -> V
     let array = |w: Vec3f| [w.x, w.y, w.z];
     let (wo, wi): (Vec<_>, Vec<_>) = pairs.iter().map(|(wo, wi)| (array(*wo), array(*wi))).unzip();
     let columns =
-        scatterer.run(&code, "bsdf_eval", Executor::Interp64, &wo, &wi).unwrap_or_else(|e| panic!("{e}"));
+        scatterer.run(&code, "bsdf_eval", Executor::Interp64, &[&wo, &wi]).unwrap_or_else(|e| panic!("{e}"));
     (0..pairs.len()).map(|i| (columns[1][i] + columns[4][i], columns[6][i])).collect()
 }
 

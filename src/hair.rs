@@ -47,7 +47,8 @@ impl HairProbe {
         let failed = |e: &dyn std::fmt::Display| Error::Setting(e.to_string());
         let library = mdl_jit::evaluator::library().map_err(|e| failed(&e))?;
         let scatterer = Scatterer { program: None, params: &self.params, point: None };
-        let columns = scatterer.run(library, "hair_eval", executor, &[wo], &[wi]).map_err(|e| failed(&e))?;
+        let columns =
+            scatterer.run(library, "hair_eval", executor, &[&[wo], &[wi]]).map_err(|e| failed(&e))?;
         let leaf = |i: usize| columns[i][0];
         Ok(([0, 1, 2].map(leaf), leaf(3)))
     }

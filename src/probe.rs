@@ -111,7 +111,7 @@ impl Probe {
         let code = mdl_jit::evaluator(&self.layers, &["bsdf_eval"]).map_err(|e| failed(&e))?;
         let scatterer =
             Scatterer { program: Some(&self.program), params: &self.params, point: Some(&self.point) };
-        let columns = scatterer.run(&code, "bsdf_eval", executor, &[wo], &[wi]).map_err(|e| failed(&e))?;
+        let columns = scatterer.run(&code, "bsdf_eval", executor, &[&[wo], &[wi]]).map_err(|e| failed(&e))?;
         // Diffuse, glossy, density, specular.
         let leaf = |i: usize| columns[i][0];
         Ok(([0, 1, 2].map(|i| leaf(i) + leaf(i + 3)), leaf(6)))

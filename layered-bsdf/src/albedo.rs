@@ -31,6 +31,14 @@ pub mod code {
     /// Points of the quadrature of `bsdf_albedo` for trees whose layers vary with the angle.
     pub const ALBEDO_POINTS: u32 = 64;
 
+    /// Whether the weights of what lies below node `n` vary with the direction, by an angle or by its side.
+    pub fn node_is_angular(n: Vec4u) -> bool {
+        let op = n.x & OP_MASK;
+        let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
+        let factor = op >= OP_DIRECTIONAL_FACTOR && op != OP_WEIGHTED_LAYER;
+        factor || splits || (n.x & FLAG_FILM) != 0
+    }
+
     /// The share of energy that a tree scatters into all directions, seen from `wo`. Exact within the
     /// bounds that the lobes state, but for trees with angular curves or a tint per side: there it is the
     /// mean weight of `ALBEDO_POINTS` samples at fixed random numbers, within 0.05 (0.12 below sheen and
@@ -45,11 +53,7 @@ pub mod code {
         let count = program.count;
         #[wgsl_allow(non_literal_loop_bounds)]
         for i in 0..count {
-            let n = bsdf_node(program, i);
-            let op = n.x & OP_MASK;
-            let splits = op == OP_TINT && (n.x & FLAG_COLOR) != 0;
-            let factor = op >= OP_DIRECTIONAL_FACTOR && op != OP_WEIGHTED_LAYER;
-            angular = angular || factor || splits || (n.x & FLAG_FILM) != 0;
+            angular = angular || node_is_angular(bsdf_node(program, i));
         }
         if angular {
             return bsdf_albedo_sampled(program, p, point, wo);
@@ -71,13 +75,12 @@ pub mod code {
         for i in 0..ALBEDO_POINTS {
             let k = f32(i) + 0.5;
             let u = vec3f(k * 0.8191725, k * 0.6710436, k * 0.5497005);
-            let s = bsdf_sample(program, p, point, wo, u - floor(u));
-            if (s.event & EVENT_SPECULAR) != 0 {
-                result.glossy += s.weight * share;
-            } else if s.event != EVENT_ABSORB {
-                let v = bsdf_eval(program, p, point, wo, s.wi);
-                result.diffuse += v.diffuse * (share / v.pdf);
-                result.glossy += v.glossy * (share / v.pdf);
+            let s = bsdf_scatter(program, p, point, wo, u - floor(u));
+            if (s.sample.event & EVENT_SPECULAR) != 0 {
+                result.glossy += s.sample.weight * share;
+            } else if s.sample.event != EVENT_ABSORB {
+                result.diffuse += s.value.diffuse * (share / s.value.pdf);
+                result.glossy += s.value.glossy * (share / s.value.pdf);
             }
         }
         BsdfAlbedo { diffuse: unit3(result.diffuse), glossy: unit3(result.glossy) }

@@ -74,6 +74,15 @@ pub mod code {
         pub event: u32,
     }
 
+    /// A sampled direction with the tree's value there.
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsdfScatter {
+        /// The direction.
+        pub sample: BsdfSample,
+        /// The value; zero if nothing was sampled.
+        pub value: BsdfValue,
+    }
+
     /// A subtree that waits, or that is being visited.
     #[derive(Clone, Copy, Debug)]
     pub struct Visit {
@@ -554,8 +563,22 @@ pub mod code {
         wo: Vec3f,
         u: Vec3f,
     ) -> BsdfSample {
+        bsdf_scatter(program, p, point, wo, u).sample
+    }
+
+    /// The same with the tree's value for the direction.
+    #[wgsl_inline::always]
+    pub fn bsdf_scatter(
+        program: ptr!(function, Program),
+        p: ptr!(function, Params),
+        point: ShadingPoint,
+        wo: Vec3f,
+        u: Vec3f,
+    ) -> BsdfScatter {
+        let zero = splat3(0.0);
         let mut result: BsdfSample =
-            BsdfSample { wi: vec3f(0.0, 0.0, 1.0), pdf: 0.0, weight: splat3(0.0), event: EVENT_ABSORB };
+            BsdfSample { wi: vec3f(0.0, 0.0, 1.0), pdf: 0.0, weight: zero, event: EVENT_ABSORB };
+        let nothing = BsdfValue { diffuse: zero, glossy: zero, pdf: 0.0, specular: zero };
         let mut node: u32 = 0;
         let mut normal: u32 = NO_SLOT;
         let mut prob: f32 = 1.0;
@@ -585,10 +608,12 @@ pub mod code {
         let transmits = (s.event & EVENT_TRANSMISSION) != 0;
         let crosses = dot(point.geometry_normal, s.wi) < 0.0;
         if s.event == EVENT_ABSORB || transmits != crosses {
-            return result;
+            return BsdfScatter { sample: result, value: nothing };
         }
-        if (s.event & EVENT_SPECULAR) != 0 {
-            let v = bsdf_visit(program, p, point, wo, s.wi, node);
+        let specular = (s.event & EVENT_SPECULAR) != 0;
+        // One call for both: compilers for devices write the visit out wherever it is called.
+        let v = bsdf_visit(program, p, point, wo, s.wi, select(NO_NODE, node, specular));
+        if specular {
             result.weight = v.specular * unit3(param3(p, n.y + SLOT_TINT)) * (1.0 / prob);
             if (n.x & FLAG_FILM) != 0 {
                 let c = unit(dot(normal_at(p, normal), wo));
@@ -597,16 +622,13 @@ pub mod code {
             }
             result.wi = s.wi;
             result.event = s.event;
-            return result;
-        }
-        let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
-        if v.pdf > 0.0 {
+        } else if v.pdf > 0.0 {
             result.weight = (v.diffuse + v.glossy) * (1.0 / v.pdf);
             result.wi = s.wi;
             result.pdf = v.pdf;
             result.event = s.event;
         }
-        result
+        BsdfScatter { sample: result, value: v }
     }
 }
 pub use code::*;

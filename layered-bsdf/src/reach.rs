@@ -3,6 +3,7 @@
 //! Executors that compile the evaluator need not compile what no node asks for: a film's interference, the
 //! facets of other lobes. A function whose rows all say no may be left out. A function without a row stays.
 
+use crate::albedo::node_is_angular;
 use crate::lobes::MODE_REFLECT;
 use crate::nodes::*;
 use crate::program::LayerProgram;
@@ -12,6 +13,7 @@ use wgsl_rs::std::Vec4u;
 type Row = (&'static str, fn(Vec4u) -> bool);
 
 const ROWS: &[Row] = &[
+    ("bsdf_albedo_sampled", node_is_angular),
     ("film_channels", filmed),
     ("node_film_reflectance", |n| filmed(n) && op(n) < OP_TINT),
     ("coating_film", |n| filmed(n) && op(n) == OP_COLOR_FRESNEL_LAYER),
@@ -91,7 +93,8 @@ impl LayerProgram {
     /// used, whatever they are.
     pub fn unreached(&self) -> impl Iterator<Item = &'static str> + '_ {
         let called = |used: fn(Vec4u) -> bool| self.nodes().iter().any(|&n| used(n));
-        ROWS.iter().filter(move |(_, used)| !called(*used)).map(|(name, _)| *name)
+        let sampled = called(node_is_angular).then_some("bsdf_albedo_closed");
+        ROWS.iter().filter(move |(_, used)| !called(*used)).map(|(name, _)| *name).chain(sampled)
     }
 }
 
@@ -106,6 +109,7 @@ mod tests {
         let missing: Vec<&str> =
             ROWS.iter().map(|row| row.0).filter(|name| !text.contains(&format!("fn {name}("))).collect();
         assert!(missing.is_empty(), "{missing:?}");
+        assert!(text.contains("fn bsdf_albedo_closed("));
     }
 
     #[test]

@@ -37,7 +37,7 @@ fn missing(name: &str) -> CompileError {
     CompileError::Module(format!("the library has no function `{name}`"))
 }
 
-/// What the library's functions of two directions take before these: of a BSDF all, of a phase function no point,
+/// What the library's functions of directions take before these: of a BSDF all, of a phase function no point,
 /// of hair the parameters alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatterer<'a> {
@@ -50,30 +50,27 @@ pub struct Scatterer<'a> {
 }
 
 impl Scatterer<'_> {
-    /// Runs the function `name` of `code` on pairs of directions, or of a direction and random numbers. The answer
-    /// has a column per leaf of the result, in double precision whatever the executor computes in.
+    /// Runs the function `name` of `code` on directions and random numbers: a column per vector that it takes. The
+    /// answer has a column per leaf of the result, in double precision whatever the executor computes in.
     pub fn run(
         &self,
         code: &Program,
         name: &str,
         executor: Executor<'_>,
-        first: &[[f32; 3]],
-        second: &[[f32; 3]],
+        vectors: &[&[[f32; 3]]],
     ) -> Result<Vec<Vec<f64>>, Error> {
-        let len = first.len().min(second.len());
+        let len = vectors.iter().map(|column| column.len()).min().unwrap_or(0);
         let handle = code.function(name).ok_or_else(|| missing(name))?;
         let program = self.program.map(layered_bsdf::prelude::Program::words);
         let params: Vec<u32> = self.params.v.iter().map(|x| x.to_bits()).collect();
         let axes = |w: &[[f32; 3]]| [0, 1, 2].map(|axis| w.iter().map(|w| w[axis]).collect::<Vec<f32>>());
-        let (first, second) = (axes(first), axes(second));
+        let vectors: Vec<_> = vectors.iter().map(|column| axes(column)).collect();
         let table = ArgMode::Table(Mode::Uniform);
         let mut args = Vec::new();
         args.extend(program.as_deref().map(|words| (table.clone(), Argument::Words(words))));
         args.push((table, Argument::Words(&params)));
         args.extend(self.point.map(|point| (ArgMode::Value(Mode::Uniform), point_argument(point))));
-        for w in [&first, &second] {
-            args.push((ArgMode::Value(Mode::Varying), vector_argument(w)));
-        }
+        args.extend(vectors.iter().map(|axes| (ArgMode::Value(Mode::Varying), vector_argument(axes))));
         let (modes, args) = args.into_iter().unzip();
         let tables = self.program.and_then(|program| program.tables.words());
         let global = code.global("table_words");

@@ -253,21 +253,9 @@ fn hollow(f: &mut Function) {
 /// Sends calls to their new targets.
 fn statements(block: &mut Block, targets: &HashMap<Handle<Function>, Handle<Function>>) {
     for statement in block.iter_mut() {
-        match statement {
-            Statement::Call { function, .. } => *function = targets[function],
-            Statement::Block(b) => statements(b, targets),
-            Statement::If { accept, reject, .. } => {
-                statements(accept, targets);
-                statements(reject, targets);
-            }
-            Statement::Switch { cases, .. } => {
-                cases.iter_mut().for_each(|c| statements(&mut c.body, targets));
-            }
-            Statement::Loop { body, continuing, .. } => {
-                statements(body, targets);
-                statements(continuing, targets);
-            }
-            _ => {}
+        if let Statement::Call { function, .. } = statement {
+            *function = targets[function];
         }
+        crate::plan::inner_mut(statement).into_iter().for_each(|b| statements(b, targets));
     }
 }

@@ -119,3 +119,37 @@ fn private_variables_structs_and_tables_reach_the_gpu() {
         case.equal("GPU", &want, &got).expect("the GPU agrees");
     }
 }
+
+#[test]
+fn uniform_tables_reach_the_gpu() {
+    let Some(gpu) = gpu("uniform_tables_reach_the_gpu") else { return };
+    // Types whose leaves are not next to one another in a buffer; tables that are read, written, mixed and left.
+    let text = "
+        struct Inner { v: vec3<f32>, w: f32, m: mat3x3<f32> }
+        struct S { n: u32, list: array<Inner, 3>, a: vec2<i32>, rest: array<vec3<u32>, 2> }
+        struct B { yes: bool, x: f32 }
+        fn sum(i: u32, s: ptr<function, S>) -> f32 {
+            let e = (*s).list[i % 3u];
+            return e.v.z + e.w + e.m[2].y + f32((*s).a.y) + f32((*s).rest[i % 2u].z);
+        }
+        fn read(s: ptr<function, S>, i: u32, t: ptr<function, S>) -> f32 { return sum(i, s) - f32((*t).n); }
+        fn one(b: ptr<function, B>) -> f32 { return select(1.0, (*b).x, (*b).yes); }
+        fn f(s: ptr<function, S>, i: u32, b: ptr<function, B>, t: ptr<function, S>, unused: ptr<function, S>) -> f32 {
+            return read(s, i, t) + one(b);
+        }
+        fn g(s: ptr<function, S>, i: u32, t: ptr<function, S>) -> f32 { return sum(i, s) + sum(i + 1u, t); }";
+    let program = Program::from_wgsl(text).expect("the program validates");
+    for (name, tables) in [("f", &[0, 2, 3, 4][..]), ("g", &[0, 2]), ("f", &[3]), ("f", &[0, 4])] {
+        let mut case = Case::new(&program, name, false).fill(70, |arg, leaf, kind, p| match kind {
+            mdl_jit::types::Kind::F32 => (arg as f32 + leaf as f32 * 0.25 + p as f32).to_bits(),
+            _ => (arg + leaf + p) as u32,
+        });
+        for &table in tables {
+            case.signature = case.signature.uniform(table);
+        }
+        case.check().expect("the CPU executors agree");
+        let want = case.run(Executor::Interp32).expect("the interpreter runs");
+        let got = case.run(Executor::Gpu(gpu)).expect("the kernel runs");
+        case.equal("GPU", &want, &got).unwrap_or_else(|e| panic!("{name}, {tables:?}: {e}"));
+    }
+}

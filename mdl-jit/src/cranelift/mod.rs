@@ -54,7 +54,7 @@ struct Inner {
 pub(crate) struct BufferSize {
     /// The least number of bytes, without elements of a runtime-sized array.
     pub least: u32,
-    /// Bytes up to and with the first element of such an array.
+    /// Bytes with the first element of such an array, and with padding at the end.
     pub padded: u32,
 }
 
@@ -205,15 +205,9 @@ fn lower(
 pub(crate) fn buffer(plan: &Plan<'_>, index: usize) -> Option<BufferSize> {
     let global = &plan.globals[index];
     let least = buffer_size(plan, index, global.space)?;
-    let element = |ty| match plan.types[ty].shape {
-        Shape::Array { len: None, stride, .. } => stride,
-        _ => 0,
-    };
-    let (start, last) = match plan.types[global.ty].shape {
-        Shape::Struct(ref members) => members.last().map_or((0, 0), |m| (m.byte, element(m.ty))),
-        _ => (0, element(global.ty)),
-    };
-    Some(BufferSize { least, padded: least.max(start + last) })
+    let (_, variable) = plan.module.global_variables.iter().nth(index)?;
+    let padded = plan.module.types[variable.ty].inner.try_size(plan.module.to_ctx()).unwrap_or(least);
+    Some(BufferSize { least, padded })
 }
 
 /// The first function that computes with 64-bit values. Vectors of them have two lanes, so such code is

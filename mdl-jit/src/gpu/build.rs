@@ -3,7 +3,8 @@
 //! Bindings of group 0 are `inputs` and `outputs`, arrays of words with one column after another,
 //! `params`, and `faults`. Parameters are the number of points, then two words for each leaf of the
 //! arguments: where its column begins and how far the next point is (0 for a single value). Outputs are
-//! columns of as many words as there are points. Buffers of the function's module move to group 1.
+//! columns of as many words as there are points. Buffers of the function's module move to group 1, and uniform
+//! tables are buffers there already ([`super::tables`]).
 //!
 //! Loops get a step budget: a private counter, decremented in every loop, that makes them all break when
 //! it is spent and the point report to `faults`.

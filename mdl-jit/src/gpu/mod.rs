@@ -13,6 +13,9 @@ mod build;
 mod context;
 #[cfg(feature = "gpu")]
 mod run;
+mod tables;
+
+use std::collections::HashMap;
 
 use naga::Handle;
 
@@ -22,6 +25,7 @@ pub use context::Context;
 pub use run::Kernel;
 
 use self::build::Built;
+use self::tables::Table;
 use crate::batch::Signature;
 use crate::cranelift::{BufferSize, buffer};
 use crate::error::CompileError;
@@ -36,9 +40,33 @@ use crate::plan::Plan;
 pub struct KernelModule {
     /// The module, with an entry point `main`.
     pub program: Program,
-    /// Per binding of group 1: the global of the function's module (`None`: the textures).
+    /// What the kernel reads in group 1.
     #[cfg_attr(not(feature = "gpu"), allow(dead_code, reason = "only runs need them"))]
-    buffers: Vec<(Option<usize>, BufferSize)>,
+    buffers: Vec<Bound>,
+    /// Uniform tables that are no arguments of the kernel.
+    #[cfg_attr(not(feature = "gpu"), allow(dead_code, reason = "only runs need them"))]
+    tables: Vec<Table>,
+}
+
+/// A buffer of group 1.
+#[cfg_attr(not(feature = "gpu"), allow(dead_code, reason = "only runs need them"))]
+#[derive(Debug)]
+struct Bound {
+    binding: u32,
+    content: Content,
+    size: BufferSize,
+}
+
+/// What a buffer holds.
+#[cfg_attr(not(feature = "gpu"), allow(dead_code, reason = "only runs need them"))]
+#[derive(Clone, Copy, Debug)]
+enum Content {
+    /// The words of this global variable of the function's module.
+    Global(usize),
+    /// The words of the textures.
+    Textures,
+    /// The leaves of this one of the tables.
+    Table(usize),
 }
 
 /// Builds the module of the kernel for `function`.
@@ -61,21 +89,28 @@ pub fn kernel_module(
         words = textures.global("tex_words").map(|g| (source, g));
     }
     let root = linker.add(own, function)?;
-    let mut origin = Vec::new();
+    let mut contents = HashMap::new();
     for (h, _) in module.global_variables.iter() {
-        origin.extend(linker.global(own, h).map(|to| (to, Some(h.index()))));
+        contents.extend(linker.global(own, h).map(|to| (to, Content::Global(h.index()))));
     }
-    origin.extend(words.and_then(|(source, g)| linker.global(source, g)).map(|to| (to, None)));
-    let Built { module, buffers } = build::kernel(linker.finish(), root, &signature.args, options.steps);
+    contents.extend(words.and_then(|(source, g)| linker.global(source, g)).map(|to| (to, Content::Textures)));
+    let (mut module, mut modes) = (linker.finish(), signature.args.clone());
+    let tables = tables::bind(&mut module, root, &mut modes);
+    contents.extend(tables.iter().enumerate().map(|(i, table)| (table.global, Content::Table(i))));
+    let Built { module, buffers } = build::kernel(module, root, &modes, options.steps);
     let program = Program::new(module)?;
     let plan = Plan::new(&program.module, &program.info, root, &|_| false)?;
+    // What nothing reads is not in the layout that a device derives.
+    let read = |global: Handle<naga::GlobalVariable>| !program.info.get_entry_point(0)[global].is_empty();
     let buffers = buffers
         .into_iter()
-        .map(|(to, _)| {
-            let from = origin.iter().find(|(h, _)| *h == to).and_then(|(_, from)| *from);
-            (from, buffer(&plan, to.index()).unwrap_or_default())
+        .filter(|(global, _)| read(*global))
+        .map(|(global, binding)| Bound {
+            binding,
+            content: contents[&global],
+            size: buffer(&plan, global.index()).unwrap_or_default(),
         })
         .collect();
     drop(plan);
-    Ok(KernelModule { program, buffers })
+    Ok(KernelModule { program, buffers, tables })
 }

@@ -8,9 +8,9 @@ use naga::valid::ModuleInfo;
 use wgpu::util::DeviceExt as _;
 
 use super::build::GROUP;
-use super::{Context, KernelModule, kernel_module};
-use crate::batch::{Argument, Batch, Input, Interface, Output, Signature};
-use crate::cranelift::BufferSize;
+use super::tables::Table;
+use super::{Bound, Content, Context, KernelModule, kernel_module};
+use crate::batch::{ArgLeaves, Argument, Batch, Input, Interface, Output, Signature};
 use crate::error::{CompileError, Fault, Unsupported};
 use crate::externs::TEXTURE_FUNCTIONS;
 use crate::options::Options;
@@ -31,8 +31,8 @@ struct Inner {
     context: Context,
     pipeline: wgpu::ComputePipeline,
     interface: Interface,
-    /// Per binding of group 1: the global of the function's module, or the textures.
-    buffers: Vec<(Option<usize>, BufferSize)>,
+    buffers: Vec<Bound>,
+    tables: Vec<Table>,
     name: String,
     steps: u32,
 }
@@ -61,7 +61,7 @@ impl Kernel {
         }
         let interface = Interface::new(&plan, function, signature)?;
         let name = plan.get(function).name.clone();
-        let KernelModule { program, buffers } = kernel_module(module, function, signature, options)?;
+        let KernelModule { program, buffers, tables } = kernel_module(module, function, signature, options)?;
         let pipeline = context
             .checked(|| {
                 let source = wgpu::ShaderSource::Naga(Cow::Owned(program.module));
@@ -79,7 +79,7 @@ impl Kernel {
             })
             .map_err(refused)?;
         let (context, steps) = (context.clone(), options.steps);
-        Ok(Self { inner: Arc::new(Inner { context, pipeline, interface, buffers, name, steps }) })
+        Ok(Self { inner: Arc::new(Inner { context, pipeline, interface, buffers, tables, name, steps }) })
     }
 
     /// Runs the function on every point of `batch`.
@@ -88,7 +88,7 @@ impl Kernel {
         k.interface.check(batch, false)?;
         let limits = k.context.device().limits();
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize / 4;
-        let leaves: usize = k.interface.args.iter().map(|a| a.kinds.len()).sum();
+        let leaves: usize = k.arguments().map(|(_, arg)| arg.kinds.len()).sum();
         let columns = leaves.max(k.interface.outputs.len()).max(1);
         let groups = limits.max_compute_workgroups_per_dimension as usize * GROUP as usize;
         let chunk = (most / columns).min(groups).min(CHUNK);
@@ -103,6 +103,12 @@ impl Kernel {
 }
 
 impl Inner {
+    /// The arguments that the kernel takes from columns, and their positions.
+    fn arguments(&self) -> impl Iterator<Item = (usize, &ArgLeaves)> {
+        let in_buffer = |i: usize| self.tables.iter().any(|table| table.argument == i);
+        self.interface.args.iter().enumerate().filter(move |(i, _)| !in_buffer(*i))
+    }
+
     fn chunk(&self, batch: &mut Batch<'_>, first: usize, count: usize) -> Result<(), Fault> {
         let (inputs, params) = self.columns(batch, first, count);
         let buffers = self.contents(batch)?;
@@ -132,10 +138,10 @@ impl Inner {
     fn columns(&self, batch: &Batch<'_>, first: usize, count: usize) -> (Vec<u32>, Vec<u32>) {
         let (mut words, mut params) = (Vec::new(), vec![count as u32]);
         let range = first..first + count;
-        for (arg, binding) in self.interface.args.iter().zip(&batch.args) {
+        for (i, arg) in self.arguments() {
             for (leaf, &kind) in arg.kinds.iter().enumerate() {
                 let begin = words.len() as u32;
-                let stride = match binding {
+                let stride = match &batch.args[i] {
                     Argument::Words(w) => {
                         words.push(normal(kind, w[leaf]));
                         0
@@ -153,18 +159,22 @@ impl Inner {
 
     fn contents(&self, batch: &Batch<'_>) -> Result<Vec<Vec<u32>>, Fault> {
         let mut all = Vec::new();
-        for (from, size) in &self.buffers {
-            let words = match from {
-                Some(i) => batch.buffers.iter().find(|b| b.global.index() == *i).map_or(&[][..], |b| b.words),
-                None => {
+        for Bound { content, size, .. } in &self.buffers {
+            let mut words = match *content {
+                Content::Global(i) => batch
+                    .buffers
+                    .iter()
+                    .find(|b| b.global.index() == i)
+                    .map_or_else(Vec::new, |b| b.words.to_vec()),
+                Content::Textures => {
                     let unbound = || Fault::Binding("textures with words for the GPU are not bound".into());
-                    batch.textures.and_then(|t| t.words()).ok_or_else(unbound)?
+                    batch.textures.and_then(|t| t.words()).ok_or_else(unbound)?.to_vec()
                 }
+                Content::Table(i) => table_words(&self.tables[i], &batch.args, size.least),
             };
             if words.len() * 4 < size.least as usize {
                 return Err(Fault::Binding(format!("a buffer has less than {} bytes", size.least)));
             }
-            let mut words = words.to_vec();
             let least = (size.padded as usize).div_ceil(4).max(1);
             if words.len() < least {
                 words.resize(least, 0);
@@ -216,9 +226,10 @@ impl Inner {
         };
         let own = [(0, &inputs), (1, &outputs), (2, &params), (3, &faults)];
         // The layout has what the kernel reads: no inputs, if the function takes no arguments.
-        let takes_inputs = self.interface.args.iter().any(|arg| !arg.kinds.is_empty());
+        let takes_inputs = self.arguments().any(|(_, arg)| !arg.kinds.is_empty());
         let own = group(0, &own[usize::from(!takes_inputs)..]);
-        let more = (!extra.is_empty()).then(|| group(1, &(0..).zip(&extra).collect::<Vec<_>>()));
+        let more = (!extra.is_empty())
+            .then(|| group(1, &self.buffers.iter().map(|b| b.binding).zip(&extra).collect::<Vec<_>>()));
         let mut encoder = device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -238,6 +249,20 @@ impl Inner {
         let view = read.get_mapped_range(..).map_err(|e| Fault::Gpu(e.to_string()))?;
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
+}
+
+/// The words of a table as a buffer of `bytes` holds it.
+fn table_words(table: &Table, args: &[Argument<'_>], bytes: u32) -> Vec<u32> {
+    let mut words = vec![0; bytes.div_ceil(4) as usize];
+    for (leaf, at) in table.offsets.iter().enumerate() {
+        words[*at as usize / 4] = match &args[table.argument] {
+            Argument::Words(w) => w[leaf],
+            Argument::Leaves(inputs) => {
+                inputs[leaf].word().expect("leaves of uniform tables are single values")
+            }
+        };
+    }
+    words
 }
 
 /// Appends a column or a single value; returns the distance from point to point.

@@ -20,7 +20,7 @@ mod resolve;
 mod survey;
 mod usage;
 
-pub(crate) use survey::called;
+pub(crate) use survey::{called, inner, inner_mut};
 
 /// Where an expression's value comes from. Numbers refer to expressions of the same function.
 #[derive(Clone, Debug)]

@@ -10,11 +10,22 @@ use crate::error::{CompileError, Unsupported};
 const MAX_DEPTH: usize = 200;
 
 /// The blocks in a statement.
-fn inner(statement: &Statement) -> Vec<&Block> {
+pub fn inner(statement: &Statement) -> Vec<&Block> {
     match statement {
         Statement::Block(b) => vec![b],
         Statement::If { accept, reject, .. } => vec![accept, reject],
         Statement::Switch { cases, .. } => cases.iter().map(|c| &c.body).collect(),
+        Statement::Loop { body, continuing, .. } => vec![body, continuing],
+        _ => Vec::new(),
+    }
+}
+
+/// The blocks in a statement, to change.
+pub fn inner_mut(statement: &mut Statement) -> Vec<&mut Block> {
+    match statement {
+        Statement::Block(b) => vec![b],
+        Statement::If { accept, reject, .. } => vec![accept, reject],
+        Statement::Switch { cases, .. } => cases.iter_mut().map(|c| &mut c.body).collect(),
         Statement::Loop { body, continuing, .. } => vec![body, continuing],
         _ => Vec::new(),
     }
