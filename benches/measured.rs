@@ -1,14 +1,18 @@
-//! Sampling of measured paints: variance at equal time of the alias method, whole and decomposed, against a
-//! cosine-weighted lobe. Prints rows of `docs/accuracy.md`.
+//! Sampling of measured materials: variance at equal time of the alias method, whole and decomposed, against a
+//! cosine-weighted lobe, for measured paints and for plastics and metals that were tabulated from lobes of ours.
 //!
-//! `cargo bench --bench measured`. Every estimate has one sample of the BSDF under an even sky and a lamp of 8°,
+//! `cargo bench --bench measured`; with `UPDATE_DOCS=1` the table in the docs is replaced. Every estimate has one sample of the BSDF under an even sky and a lamp of 8°,
 //! each of which sends about half of the light; with *light samples* also one of the lights, half of the lamp and
 //! half of the sky, both weighted by the power heuristic (E. Veach, 1997).
 
-use layered_bsdf::measured::{DECOMPOSITION, Decomposition, Measurement};
+mod support;
+
+use layered_bsdf::alias::alias_map;
+use layered_bsdf::measured::{DECOMPOSITION, Decomposition, MeasuredSide, Measurement};
 use layered_bsdf::prelude::*;
 use renderer::images::load_measurement;
 use std::f32::consts::{PI, TAU};
+use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
@@ -26,13 +30,18 @@ fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/measured");
     let quick = std::env::args().any(|arg| arg == "--test");
     let estimates = if quick { 50 } else { ESTIMATES };
-    println!("| paint | light samples | cosine over alias | alias over decomposed |\n|---|---|---|---|");
-    for paint in PAINTS {
+    let mut table = String::from(
+        "| material | light sample | cosine lobe over alias map | alias map over decomposed |\n|---|---|---|---|\n",
+    );
+    let paints = PAINTS.into_iter().filter_map(|paint| {
         let path = folder.join(format!("{paint}.mbsdf"));
-        let Ok(measurement) = load_measurement(&path) else {
+        let loaded = load_measurement(&path).ok();
+        if loaded.is_none() {
             println!("skipped: no {}", path.display());
-            continue;
-        };
+        }
+        Some((paint.to_string(), loaded?))
+    });
+    for (name, measurement) in paints.chain(tabulated()).take(if quick { 1 } else { usize::MAX }) {
         for lit in [true, false] {
             let whole = Decomposition { level: 0.0, share: 1.0 };
             let product = |d, cosine| cost(&measurement, d, Technique { cosine, lit }, estimates);
@@ -40,9 +49,75 @@ fn main() {
             let own: Vec<String> =
                 levels().into_iter().map(|d| format!("{:.2}", alias / product(d, false))).collect();
             let lit = if lit { "yes" } else { "no" };
-            println!("| {paint} | {lit} | {:.1} | {} |", plain / alias, own.join(", "));
+            writeln!(table, "| {name} | {lit} | {:.1} | {} |", plain / alias, own.join(", "))
+                .expect("writing to a string succeeds");
         }
     }
+    support::publish("measured", &table);
+    build_maps(if quick { 12 } else { 25 });
+}
+
+/// Prints how long alias maps take to build.
+fn build_maps(largest: u32) {
+    for exponent in (5..=largest).step_by(5) {
+        let weights: Vec<f64> = (0..1u64 << exponent).map(|i| (i * i % 1013) as f64 + 1e-3).collect();
+        let start = Instant::now();
+        black_box(alias_map(black_box(&weights)));
+        let ns = start.elapsed().as_secs_f64() * 1e9 / weights.len() as f64;
+        println!("alias map of 2^{exponent} entries: {ns:.1} ns per entry");
+    }
+}
+
+/// Lobes of ours as if they had been measured: plastics and metals of five roughnesses each.
+fn tabulated() -> impl Iterator<Item = (String, Measurement)> {
+    let kinds = ["plastic", "metal"].into_iter();
+    kinds.flat_map(|kind| [0.05, 0.1, 0.2, 0.3, 0.5].map(|alpha| (kind, alpha))).map(|(kind, alpha)| {
+        let gloss = |tint| Tree::GgxSmith {
+            tint,
+            roughness_u: alpha,
+            roughness_v: alpha,
+            mode: ScatterMode::Reflect,
+            tangent: None,
+        };
+        let diffuse =
+            Tree::DiffuseReflection { tint: [0.5, 0.3, 0.1], roughness: 0.0, multiscatter_tint: None };
+        let tree = match kind {
+            "metal" => gloss([0.9, 0.7, 0.4]),
+            _ => Tree::Layer {
+                curve: Curve::Fresnel { ior: 1.5 },
+                weight: [1.0; 3],
+                normal: None,
+                layer: Box::new(gloss([1.0; 3])),
+                base: Box::new(diffuse),
+            },
+        };
+        (format!("{kind}, alpha {alpha}"), tabulate(&tree))
+    })
+}
+
+/// The values of an isotropic tree at the centres of cells of 2°.
+fn tabulate(tree: &Tree<f32>) -> Measurement {
+    let (theta, phi) = (45, 90);
+    let (program, mut params) = LayerProgram::with_values(tree).expect("a small tree");
+    let mut program = program.to_program();
+    let (air, up) = (vec3f(1.0, 1.0, 1.0), vec3f(0.0, 0.0, 1.0));
+    let point = shading_point(up, air, vec3f(1.5, 1.5, 1.5), 0);
+    let angle = |i: usize, count: usize, range: f32| (i as f32 + 0.5) / count as f32 * range;
+    let direction =
+        |theta: f32, phi: f32| vec3f(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+    let mut values = Vec::new();
+    for o in 0..theta {
+        let wo = direction(angle(o, theta, PI / 2.0), 0.0);
+        for i in 0..theta {
+            for k in 0..phi {
+                let wi = direction(angle(i, theta, PI / 2.0), angle(k, phi, PI));
+                let v = bsdf_eval(&mut program, &mut params, point, wo, wi);
+                let f = v.diffuse + v.glossy;
+                values.push([f.x / wi.z, f.y / wi.z, f.z / wi.z]);
+            }
+        }
+    }
+    Measurement { reflection: Some(MeasuredSide { theta, phi, values }), transmission: None }
 }
 
 /// The decomposition that tables have; others too where `LACQUER_LEVELS` is set.

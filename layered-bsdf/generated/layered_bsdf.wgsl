@@ -2441,6 +2441,11 @@ struct BsdfSample {
     event: u32
 }
 
+struct BsdfScatter {
+    sample: BsdfSample,
+    value: BsdfValue
+}
+
 struct Visit {
     node: u32,
     weight: vec3f,
@@ -2835,7 +2840,19 @@ fn bsdf_sample(
     wo: vec3f,
     u: vec3f,
 ) -> BsdfSample {
-    var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, splat3(0.0), EVENT_ABSORB);
+    return bsdf_scatter(program, p, point, wo, u).sample;
+}
+
+fn bsdf_scatter(
+    program: ptr<function, Program>,
+    p: ptr<function, Params>,
+    point: ShadingPoint,
+    wo: vec3f,
+    u: vec3f,
+) -> BsdfScatter {
+    let zero = splat3(0.0);
+    var result: BsdfSample = BsdfSample(vec3f(0.0, 0.0, 1.0), 0.0, zero, EVENT_ABSORB);
+    let nothing = BsdfValue(zero, zero, 0.0, zero);
     var node: u32 = 0u;
     var normal: u32 = NO_SLOT;
     var prob: f32 = 1.0;
@@ -2865,10 +2882,11 @@ fn bsdf_sample(
     let transmits = ((s.event & EVENT_TRANSMISSION) != 0u);
     let crosses = (dot(point.geometry_normal, s.wi) < 0.0);
     if ((s.event == EVENT_ABSORB) || (transmits != crosses)) {
-        return result;
+        return BsdfScatter(result, nothing);
     }
-    if ((s.event & EVENT_SPECULAR) != 0u) {
-        let v = bsdf_visit(program, p, point, wo, s.wi, node);
+    let specular = ((s.event & EVENT_SPECULAR) != 0u);
+    let v = bsdf_visit(program, p, point, wo, s.wi, select(NO_NODE, node, specular));
+    if specular {
         result.weight = ((v.specular * unit3(param3(p, (n.y + SLOT_TINT)))) * (1.0 / prob));
         if ((n.x & FLAG_FILM) != 0u) {
             let c = unit(dot(normal_at(p, normal), wo));
@@ -2877,16 +2895,13 @@ fn bsdf_sample(
         }
         result.wi = s.wi;
         result.event = s.event;
-        return result;
-    }
-    let v = bsdf_visit(program, p, point, wo, s.wi, NO_NODE);
-    if (v.pdf > 0.0) {
+    } else if (v.pdf > 0.0) {
         result.weight = ((v.diffuse + v.glossy) * (1.0 / v.pdf));
         result.wi = s.wi;
         result.pdf = v.pdf;
         result.event = s.event;
     }
-    return result;
+    return BsdfScatter(result, v);
 }
 struct BsdfAlbedo {
     diffuse: vec3f,
@@ -2894,15 +2909,18 @@ struct BsdfAlbedo {
 }
 const ALBEDO_POINTS: u32 = 64u;
 
+fn node_is_angular(n: vec4u) -> bool {
+    let op = (n.x & OP_MASK);
+    let splits = ((op == OP_TINT) && ((n.x & FLAG_COLOR) != 0u));
+    let factor = ((op >= OP_DIRECTIONAL_FACTOR) && (op != OP_WEIGHTED_LAYER));
+    return ((factor || splits) || ((n.x & FLAG_FILM) != 0u));
+}
+
 fn bsdf_albedo(program: ptr<function, Program>, p: ptr<function, Params>, point: ShadingPoint, wo: vec3f) -> BsdfAlbedo {
     var angular: bool = false;
     let count = program.count;
     for (var i = 0u; i < count; i++) {
-        let n = bsdf_node(program, i);
-        let op = (n.x & OP_MASK);
-        let splits = ((op == OP_TINT) && ((n.x & FLAG_COLOR) != 0u));
-        let factor = ((op >= OP_DIRECTIONAL_FACTOR) && (op != OP_WEIGHTED_LAYER));
-        angular = (((angular || factor) || splits) || ((n.x & FLAG_FILM) != 0u));
+        angular = (angular || node_is_angular(bsdf_node(program, i)));
     }
     if angular {
         return bsdf_albedo_sampled(program, p, point, wo);
@@ -2916,13 +2934,12 @@ fn bsdf_albedo_sampled(program: ptr<function, Program>, p: ptr<function, Params>
     for (var i = 0u; i < ALBEDO_POINTS; i++) {
         let k = (f32(i) + 0.5);
         let u = vec3f((k * 0.8191725), (k * 0.6710436), (k * 0.5497005));
-        let s = bsdf_sample(program, p, point, wo, (u - floor(u)));
-        if ((s.event & EVENT_SPECULAR) != 0u) {
-            result.glossy += (s.weight * share);
-        } else if (s.event != EVENT_ABSORB) {
-            let v = bsdf_eval(program, p, point, wo, s.wi);
-            result.diffuse += (v.diffuse * (share / v.pdf));
-            result.glossy += (v.glossy * (share / v.pdf));
+        let s = bsdf_scatter(program, p, point, wo, (u - floor(u)));
+        if ((s.sample.event & EVENT_SPECULAR) != 0u) {
+            result.glossy += (s.sample.weight * share);
+        } else if (s.sample.event != EVENT_ABSORB) {
+            result.diffuse += (s.value.diffuse * (share / s.value.pdf));
+            result.glossy += (s.value.glossy * (share / s.value.pdf));
         }
     }
     return BsdfAlbedo(unit3(result.diffuse), unit3(result.glossy));

@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_map_has_the_density_of_its_weights() {
-        for count in [1usize, 2, 3, 100, 4186, 1 << 17] {
+        for count in [1usize, 2, 3, 100, 4186, 1 << 17, 1 << 25] {
             let weights: Vec<f64> =
                 (0..count).map(|i| if i % 7 == 3 { 0.0 } else { (i * i % 1013) as f64 + 1e-3 }).collect();
             let sum: f64 = weights.iter().sum();

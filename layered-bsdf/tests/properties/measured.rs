@@ -2,6 +2,7 @@
 
 use crate::cases::{Case, WHITE, ggx, point};
 use crate::math::direction;
+use layered_bsdf::lobes::measured::measured_column;
 use layered_bsdf::measured::{MeasuredSide, Measurement};
 use layered_bsdf::picture::picture_table;
 use layered_bsdf::prelude::*;
@@ -207,6 +208,27 @@ fn samples_of_a_table_weigh_its_albedo() {
         heaviest = heaviest.max((s.weight.x + s.weight.y + s.weight.z) / 3.0);
     }
     assert!(heaviest < 3.0 * mean, "{heaviest} for an albedo of {mean}");
+}
+
+/// The first 2ᵐ points of van der Corput's sequence fall into 2ᵐ columns one by one, and the whole numbers below 2²⁴
+/// are shared out evenly among any number of columns.
+#[test]
+fn points_of_a_sequence_visit_every_column_once() {
+    for m in 0..=12 {
+        let count = 1u32 << m;
+        let mut visits = vec![0; count as usize];
+        for index in 0..count {
+            visits[measured_column(index.reverse_bits() >> 8, count) as usize] += 1;
+        }
+        assert!(visits.iter().all(|&visits| visits == 1), "{count} columns: {visits:?}");
+    }
+    for count in [1u32, 3, 46, 91, 1000, 4095, 4096] {
+        let mut visits = vec![0u32; count as usize];
+        (0..1 << 24).for_each(|x| visits[measured_column(x, count) as usize] += 1);
+        let (least, most) = (visits.iter().min(), visits.iter().max());
+        let even = (1 << 24) / count;
+        assert!(least >= Some(&even) && most <= Some(&(even + 1)), "{count} columns: {least:?} to {most:?}");
+    }
 }
 
 /// The factor at the centres of texels: the horizontal axis is the half vector's angle to the normal.
