@@ -64,7 +64,7 @@ impl<L: Lanes> Leaves<L> for ClosestTriangle<'_> {
     #[inline(always)]
     fn visit(&mut self, block: u32, _: f32, _: &mut Stack) -> Visit {
         let triangles = &self.blocks[block as usize];
-        let mut lanes = crossed::<L>(triangles, &self.shear);
+        let mut lanes = crossed::<L>(triangles, &self.shear, self.best.t);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;
@@ -96,7 +96,7 @@ impl<L: Lanes> Leaves<L> for AnyTriangle<'_> {
     #[inline(always)]
     fn visit(&mut self, block: u32, limit: f32, _: &mut Stack) -> Visit {
         let triangles = &self.blocks[block as usize];
-        let mut lanes = crossed::<L>(triangles, &self.shear);
+        let mut lanes = crossed::<L>(triangles, &self.shear, limit);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;

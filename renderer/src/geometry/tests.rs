@@ -66,7 +66,7 @@ fn brute_force(triangles: &Triangles, ray: Ray) -> Hit {
     for (index, &triangle) in triangles.iter().enumerate() {
         let mut block = Block::EMPTY;
         block.set(0, index as u32, triangle);
-        if crossed::<Portable>(&block, &shear) & 1 == 0 {
+        if crossed::<Portable>(&block, &shear, f32::INFINITY) & 1 == 0 {
             continue;
         }
         if let Some(hit) = hit(&block, 0, &shear)

@@ -12,6 +12,7 @@
 //! only where its sign is certain: t must exceed the bound of its rounding error (Pharr et al., "Physically
 //! Based Rendering", 4th ed., §6.8.5), and end that much before a limit.
 
+use super::bvh::WIDEN;
 use super::lanes::Lanes;
 use super::ray::Ray;
 use crate::vector::map3;
@@ -54,6 +55,8 @@ pub struct Shear {
     origin: [f32; 3],
     /// Direction along the permuted axes.
     direction: [f32; 3],
+    /// 1 over the third component of the direction.
+    inverse: f64,
 }
 
 impl Shear {
@@ -78,6 +81,7 @@ impl Shear {
             shear: [d[0] * inverse, d[1] * inverse],
             origin: map3(axes, |axis| origin[axis]),
             direction: d,
+            inverse: 1.0 / f64::from(d[2]),
         }
     }
 }
@@ -99,6 +103,8 @@ pub struct LaneHit {
 struct Sheared<L> {
     x: [L; 3],
     y: [L; 3],
+    /// Along the ray's third axis, not sheared.
+    z: [L; 3],
 }
 
 impl<L: Lanes> Sheared<L> {
@@ -108,16 +114,32 @@ impl<L: Lanes> Sheared<L> {
         let a = Self::vertex(block, 0, ray);
         let b = Self::vertex(block, 1, ray);
         let c = Self::vertex(block, 2, ray);
-        Self { x: [a.0, b.0, c.0], y: [a.1, b.1, c.1] }
+        Self { x: [a.0, b.0, c.0], y: [a.1, b.1, c.1], z: [a.2, b.2, c.2] }
     }
 
     #[inline(always)]
-    fn vertex(block: &Block, index: usize, ray: &Shear) -> (L, L) {
+    fn vertex(block: &Block, index: usize, ray: &Shear) -> (L, L, L) {
         let v = &block.vertices[index];
         let z = L::load(&v[ray.axes[2]]).sub(L::splat(ray.origin[2]));
         let x = L::load(&v[ray.axes[0]]).sub(L::splat(ray.origin[0]));
         let y = L::load(&v[ray.axes[1]]).sub(L::splat(ray.origin[1]));
-        (x.sub(L::splat(ray.shear[0]).mul(z)), y.sub(L::splat(ray.shear[1]).mul(z)))
+        (x.sub(L::splat(ray.shear[0]).mul(z)), y.sub(L::splat(ray.shear[1]).mul(z)), z)
+    }
+
+    /// The lanes that reach over `z` = 0 and begin before `limit`: a position along the ray is a mean of those of
+    /// the vertices.
+    #[inline(always)]
+    fn in_reach(&self, ray: &Shear, limit: f32) -> u32 {
+        let [a, b, c] = self.z;
+        let (least, greatest) = (a.min(b).min(c), a.max(b).max(c));
+        // Differences and products are rounded, and a tie at the limit is decided elsewhere.
+        let end = L::splat(limit * ray.direction[2] * WIDEN);
+        let zero = L::splat(0.0);
+        if ray.direction[2] > 0.0 {
+            zero.le(greatest) & least.le(end)
+        } else {
+            least.le(zero) & end.le(greatest)
+        }
     }
 
     /// Twice the area between the ray and the edge from vertex `b` to vertex `a`, signed.
@@ -127,9 +149,10 @@ impl<L: Lanes> Sheared<L> {
     }
 }
 
-/// The lanes of `block` that the ray's line passes through, whatever the distance.
+/// The lanes of `block` that the ray's line passes through; some that are behind the origin or beyond `limit` are left
+/// out.
 #[inline(always)]
-pub fn crossed<L: Lanes>(block: &Block, ray: &Shear) -> u32 {
+pub fn crossed<L: Lanes>(block: &Block, ray: &Shear, limit: f32) -> u32 {
     let sheared = Sheared::<L>::new(block, ray);
     let (u, v, w) = (sheared.edge(2, 1), sheared.edge(0, 2), sheared.edge(1, 0));
     let zero = L::splat(0.0);
@@ -138,6 +161,7 @@ pub fn crossed<L: Lanes>(block: &Block, ray: &Shear) -> u32 {
     if inside == 0 {
         return 0;
     }
+    let inside = inside & sheared.in_reach(ray, limit);
     let uncertain = zero.equal(u) | zero.equal(v) | zero.equal(w);
     if inside & uncertain == 0 {
         return inside;
@@ -190,11 +214,11 @@ pub fn hit(block: &Block, lane: usize, ray: &Shear) -> Option<LaneHit> {
     let reach = least.abs().max(greatest.abs());
     // Weights of an almost vanishing triangle have no digits; it is still where its vertices are.
     let at = (edges[0] * z[0] + edges[1] * z[1] + edges[2] * z[2]) * inverse;
-    let t = at.clamp(least, greatest) / dz;
+    let t = at.clamp(least, greatest) * ray.inverse;
     let size = |v: &[f64; 3]| v[0].abs().max(v[1].abs()).max(v[2].abs());
     let m = size(&x).max(size(&y));
     let rounding = BOUND * m * m * (reach * scaled).abs();
-    let spread = (greatest - least + BOUND * reach) / dz.abs();
+    let spread = (greatest - least + BOUND * reach) * ray.inverse.abs();
     let b1 = (edges[1] * inverse).clamp(0.0, 1.0) as f32;
     let b2 = ((edges[2] * inverse) as f32).clamp(0.0, 1.0 - b1);
     Some(LaneHit { t: t as f32, b1, b2, error: rounding.min(spread) as f32 })
