@@ -7,11 +7,14 @@ pub fn publish(name: &str, table: &str) {
     if std::env::var_os("UPDATE_DOCS").is_none_or(|value| value != "1") {
         return;
     }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/accuracy.md");
-    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let file = crates.map(|folder| folder.join("docs/accuracy.md")).find(|file| file.exists());
+    let file = file.expect("a folder above has docs/accuracy.md");
+    let path = file.display();
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{path}: {e}"));
     let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
     let start = text.find(&open).unwrap_or_else(|| panic!("{path} has no {open:?}")) + open.len();
     let end = text.find(&close).unwrap_or_else(|| panic!("{path} has no {close:?}"));
     let text = format!("{}{table}{}", &text[..start], &text[end..]);
-    std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
+    std::fs::write(&file, text).unwrap_or_else(|e| panic!("{path}: {e}"));
 }

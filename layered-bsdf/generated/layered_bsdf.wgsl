@@ -506,6 +506,61 @@ fn math_atanh(x: f32) -> f32 {
     let far = (0.5 * math_log(((1.0 + a) / (1.0 - a))));
     return math_copysign(select(far, near, (a < 0.5)), x);
 }
+fn noise_within(x: f32, low: f32, high: f32) -> f32 {
+    let above = select(low, x, (x > low));
+    return select(high, above, (above < high));
+}
+
+fn noise_line(x: f32) -> f32 {
+    return noise_within(floor(x), -2147483520.0, 2147483520.0);
+}
+
+fn noise_mix(sum: u32) -> u32 {
+    let a = ((sum ^ (sum >> 15u)) * 739982445u);
+    let b = ((a ^ (a >> 12u)) * 695872825u);
+    return (b ^ (b >> 15u));
+}
+
+fn noise_slope(h: u32, x: f32, y: f32, z: f32) -> f32 {
+    let a = select(y, x, ((h & 8u) == 0u));
+    let b = select(select(z, x, ((h & 13u) == 12u)), y, ((h & 12u) == 0u));
+    return (bitcast<f32>((bitcast<u32>(a) ^ (h << 31u))) + bitcast<f32>((bitcast<u32>(b) ^ ((h & 2u) << 30u))));
+}
+
+fn noise_fade(t: f32) -> f32 {
+    return (((t * t) * t) * ((t * ((t * 6.0) - 15.0)) + 10.0));
+}
+
+fn noise_lerp(a: f32, b: f32, t: f32) -> f32 {
+    return ((a * (1.0 - t)) + (b * t));
+}
+
+fn noise_gradient(p: vec3f, seed: i32) -> f32 {
+    let cx = noise_line(p.x);
+    let cy = noise_line(p.y);
+    let cz = noise_line(p.z);
+    let x = noise_within((p.x - cx), 0.0, 1.0);
+    let y = noise_within((p.y - cy), 0.0, 1.0);
+    let z = noise_within((p.z - cz), 0.0, 1.0);
+    let hx = ((bitcast<u32>(i32(cx)) * 374761393u) + (bitcast<u32>(seed) * 1274126177u));
+    let hy = (bitcast<u32>(i32(cy)) * 668265263u);
+    let hz = (bitcast<u32>(i32(cz)) * 1440662683u);
+    let h00 = ((hx + hy) + hz);
+    let h10 = (h00 + 668265263u);
+    let h01 = (h00 + 1440662683u);
+    let h11 = (h10 + 1440662683u);
+    let u = noise_fade(x);
+    let v = noise_fade(y);
+    let w = noise_fade(z);
+    let x1 = (x - 1.0);
+    let y1 = (y - 1.0);
+    let z1 = (z - 1.0);
+    let a = noise_lerp(noise_slope(noise_mix(h00), x, y, z), noise_slope(noise_mix((h00 + 374761393u)), x1, y, z), u);
+    let b = noise_lerp(noise_slope(noise_mix(h10), x, y1, z), noise_slope(noise_mix((h10 + 374761393u)), x1, y1, z), u);
+    let c = noise_lerp(noise_slope(noise_mix(h01), x, y, z1), noise_slope(noise_mix((h01 + 374761393u)), x1, y, z1), u);
+    let d = noise_lerp(noise_slope(noise_mix(h11), x, y1, z1), noise_slope(noise_mix((h11 + 374761393u)), x1, y1, z1), u);
+    return noise_within(noise_lerp(noise_lerp(a, b, v), noise_lerp(c, d, v), w), -1.0, 1.0);
+}
 fn fresnel_dielectric(c: f32, eta: f32) -> f32 {
     let k = ((eta - 1.0) * (eta + 1.0));
     let g2 = (k + (c * c));

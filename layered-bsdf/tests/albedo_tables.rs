@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 2e-4;
 /// Samples per place: as many as it takes until three means, each of twice as many, agree.
 const SAMPLES: std::ops::RangeInclusive<u32> = 11..=19;
 /// How far they may lie apart.
-const AGREEMENT: f64 = 2e-5;
+const AGREEMENT: f64 = 5e-5;
 
 /// Every how many rows and columns are compared: `LACQUER_TABLE_STEP=1` compares all.
 fn step() -> usize {

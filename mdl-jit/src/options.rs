@@ -6,8 +6,10 @@ pub enum Lanes {
     /// One: for code whose points go different ways.
     One,
     /// Four, under a mask where they diverge.
-    #[default]
     Four,
+    /// Twice four side by side where the code has loops, which wait for their own results; else four.
+    #[default]
+    Eight,
 }
 
 /// How much work the code generator puts into the code.

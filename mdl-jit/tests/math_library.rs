@@ -62,6 +62,33 @@ fn the_math_library_has_the_same_bits_natively_and_in_lanes() {
     }
 }
 
+/// Near the lattice and far from it; compiled code has a kernel of its own on most machines.
+#[test]
+fn noise_has_the_same_bits_natively_and_in_lanes() {
+    let text = math::code::WGSL_SOURCE.wgsl_source().expect("the library renders to WGSL");
+    let program = Program::from_wgsl(&text).expect("the library validates");
+    let n = FLOAT_EDGES.len();
+    let mut r = Random::new(7);
+    let case =
+        Case::new(&program, "noise_gradient", false).fill(n * n + 20_003, |arg, leaf, kind, p| {
+            match (arg, leaf) {
+                (0, 0) if p < n * n => FLOAT_EDGES[p / n].to_bits(),
+                (0, 1) if p < n * n => FLOAT_EDGES[p % n].to_bits(),
+                (1, _) if p % 2 == 0 => 0,
+                _ => r.value(kind),
+            }
+        });
+    case.check().expect("the executors agree");
+    let got = case.run(Executor::Cpu).expect("the kernel runs");
+    let float = |leaf: usize, p: usize| f32::from_bits(case.columns[0][leaf].bits(p));
+    for p in 0..case.len {
+        let position = wgsl_rs::std::vec3f(float(0, p), float(1, p), float(2, p));
+        let want = math::noise_gradient(position, case.columns[1][0].bits(p) as i32);
+        assert!((-1.0..=1.0).contains(&want), "{want} at {position:?}");
+        assert_eq!(want.to_bits(), got[0].bits(p), "{position:?}");
+    }
+}
+
 #[test]
 fn hashes_have_the_same_bits_natively_and_in_lanes() {
     let library = math::code::WGSL_SOURCE.wgsl_source().expect("the library renders to WGSL");

@@ -5,7 +5,8 @@ mod common;
 use common::{Case, generate, generate_flow};
 use mdl_jit::Program;
 
-/// Programs in a normal run; `LACQUER_PROGRAMS` sets another number, `LACQUER_FIRST` the first seed.
+/// Programs in a normal run, and twice as many that are all control flow: one takes 5 ms. `LACQUER_PROGRAMS`
+/// sets another number for each sort, `LACQUER_FIRST` the first seed.
 const PROGRAMS: u32 = 2000;
 
 fn setting(name: &str, default: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! The math library: elementary functions and hashes in the Rust that is also WGSL.
+//! The math library: elementary functions, hashes and noise in the Rust that is also WGSL.
 //!
 //! WGSL promises only 2⁻¹¹ for a sine, and the functions of `std` differ between platforms, so nothing
 //! that runs per shading point calls either. These functions are the same sequence of IEEE operations
@@ -18,6 +18,7 @@ pub mod erf;
 pub mod explog;
 pub mod hash;
 pub mod hyperbolic;
+pub mod noise;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -37,5 +38,6 @@ pub mod code {
     pub use crate::math::explog::code::*;
     pub use crate::math::hash::code::*;
     pub use crate::math::hyperbolic::code::*;
+    pub use crate::math::noise::code::*;
     pub use crate::math::trig::code::*;
 }

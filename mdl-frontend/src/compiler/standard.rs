@@ -21,6 +21,7 @@ const TEXTS: &[(&str, &str)] = &[
     ("debug", include_str!("../../stdlib/debug.mdl")),
     ("df", include_str!("../../stdlib/df.mdl")),
     ("std", include_str!("../../stdlib/std.mdl")),
+    ("lacquer", include_str!("../../stdlib/lacquer.mdl")),
 ];
 
 /// Number of the first module that is not standard.

@@ -1,7 +1,7 @@
 //! Binding a batch to compiled code: the context and what it points to.
 //!
 //! Whole groups of points are computed in place. The last, partial group is computed on copies: every
-//! column's last points in a row of four, filled up with the last one, so that all lanes hold a real
+//! column's last points in a row, filled up with the last one, so that all lanes hold a real
 //! point; of the results as many are copied back as there are points.
 
 use super::Inner;
@@ -11,10 +11,13 @@ use crate::error::Fault;
 use crate::externs::{Externs, HostFunction};
 use crate::texture::TextureFunctions;
 
+/// The points of the largest group.
+type Row = [u32; 8];
+
 /// What compiled code reads and writes, as addresses, and the storage that is not the batch's.
 pub struct Columns<'b> {
     words: Vec<u64>,
-    rows: Vec<[u32; 4]>,
+    rows: Vec<Row>,
     /// Columns for single values bound to leaves that vary.
     filled: Vec<Vec<u32>>,
     tables: Vec<Vec<[u64; 2]>>,
@@ -72,8 +75,7 @@ impl Input<'_> {
 pub fn run(k: &Inner, batch: &mut Batch<'_>) -> Result<(), Fault> {
     let textures = batch.textures.map(TextureFunctions::new);
     let textures = textures.as_ref().map_or_else(Externs::new, TextureFunctions::externs);
-    let group = if k.single { 1 } else { 4 };
-    let whole = batch.len / group * group;
+    let whole = batch.len / k.group * k.group;
     if whole > 0 {
         compute(k, batch, &textures, Points { first: 0, count: whole, copied: false })?;
     }
@@ -93,7 +95,7 @@ fn compute(k: &Inner, batch: &mut Batch<'_>, textures: &Externs<'_>, points: Poi
             return Err(e);
         }
     };
-    let end = if points.copied { 16 } else { 4 * points.count };
+    let end = columns.bytes;
     let fault = k.code.call(&mut columns, 0, end);
     if points.copied {
         let first = columns.rows.len() - outputs.len();
@@ -133,7 +135,7 @@ fn bind<'b>(
         tables: Vec::new(),
         padded: Vec::new(),
         host: Vec::new(),
-        bytes: if points.copied { 16 } else { 4 * points.count },
+        bytes: 4 * if points.copied { k.group } else { points.count },
     };
     for &index in &k.found.host {
         let name = &k.names[index];
@@ -171,8 +173,10 @@ fn bind<'b>(
             Output::U32(o) => o.as_mut_ptr() as u64,
             Output::Skip | Output::F64(_) => 0,
         };
-        let [pointer, mask] = if points.copied || address == 0 {
-            [c.row([0; 4]), 0]
+        let [pointer, mask] = if points.copied {
+            [c.row([0; 8]), u64::MAX]
+        } else if address == 0 {
+            [c.row([0; 8]), 0]
         } else {
             [address + 4 * points.first as u64, u64::MAX]
         };
@@ -184,7 +188,7 @@ fn bind<'b>(
 }
 
 impl Columns<'_> {
-    fn row(&mut self, row: [u32; 4]) -> u64 {
+    fn row(&mut self, row: Row) -> u64 {
         assert!(self.rows.len() < self.rows.capacity(), "rows do not move");
         self.rows.push(row);
         self.rows.last().expect("a row was added").as_ptr() as u64
@@ -213,9 +217,9 @@ impl Columns<'_> {
     /// A column of a table.
     fn column(&mut self, input: &Input<'_>, points: Points) -> [u64; 2] {
         match input.column() {
-            Some(_) if points.copied => [self.tail(input, points), 0],
+            Some(_) if points.copied => [self.tail(input, points), u64::MAX],
             Some(column) => [column + 4 * points.first as u64, u64::MAX],
-            None => [self.row([input.at(0); 4]), 0],
+            None => [self.row([input.at(0); 8]), 0],
         }
     }
 

@@ -9,15 +9,18 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
 use cranelift_codegen::Context;
-use cranelift_codegen::ir::{self, AbiParam, FuncRef, InstBuilder, Signature, types};
+use cranelift_codegen::ir::{self, AbiParam, InstBuilder, Signature, types};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module};
 
 use super::bind::Columns;
+use super::lower::Imports;
+use super::wide;
 use crate::error::CompileError;
 use crate::externs::{Call, HostFunction};
+use crate::options::{Options, Target};
 use crate::semantics::Native;
 
 /// `fn(context, begin, end) -> fault`.
@@ -79,6 +82,8 @@ pub struct Builder {
     module: JITModule,
     host: Shim,
     native: Shim,
+    /// The kernel of gradient noise, if the machine has one.
+    noise: Option<FuncId>,
 }
 
 /// A function of the host, and the generated function that calls it.
@@ -93,10 +98,14 @@ fn failed(e: impl std::fmt::Display) -> CompileError {
 }
 
 impl Builder {
-    pub fn new(isa: OwnedTargetIsa) -> Result<Self, CompileError> {
+    pub fn new(isa: OwnedTargetIsa, options: &Options) -> Result<Self, CompileError> {
         let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
         builder.symbol("lacquer_host", call_host as *const u8);
         builder.symbol("lacquer_native", call_native as *const u8);
+        let noise = wide::kernel(wide::NOISE).filter(|_| options.target == Target::Host);
+        if let Some(noise) = noise {
+            builder.symbol(wide::NOISE, noise);
+        }
         let mut module = JITModule::new(builder);
         let word = AbiParam::new(types::I32);
         let pointer = AbiParam::new(types::I64);
@@ -110,12 +119,24 @@ impl Builder {
         };
         let host = shim("lacquer_host", vec![pointer, word, word, word, pointer])?;
         let native = shim("lacquer_native", vec![word, word, pointer])?;
-        Ok(Self { module, host, native })
+        let noise = noise.map(|_| {
+            let mut signature = Signature::new(CallConv::SystemV);
+            signature.params =
+                [types::F32X4, types::F32X4, types::F32X4, types::I32X4].map(AbiParam::new).to_vec();
+            signature.returns = vec![AbiParam::new(types::F32X4)];
+            module.declare_function(wide::NOISE, Linkage::Import, &signature).map_err(failed)
+        });
+        Ok(Self { noise: noise.transpose()?, module, host, native })
     }
 
     /// Makes the host's functions known to `func`.
-    pub fn import(&mut self, func: &mut ir::Function) -> [FuncRef; 2] {
-        [self.host, self.native].map(|shim| self.module.declare_func_in_func(shim.caller, func))
+    pub fn import(&mut self, func: &mut ir::Function) -> Imports {
+        let mut import = |id: FuncId| self.module.declare_func_in_func(id, func);
+        Imports {
+            host: import(self.host.caller),
+            native: import(self.native.caller),
+            noise: self.noise.map(import),
+        }
     }
 
     /// Generates a function that passes its arguments on.

@@ -1,4 +1,5 @@
-//! The CPU backend: naga functions compiled to code that computes four points at a time.
+//! The CPU backend: naga functions compiled to code that computes four points at a time, or twice four
+//! side by side (`pair`).
 //!
 //! [`Kernel::compile`] lowers a function (`lower`) for the machine it runs on; [`Kernel::run`] runs it
 //! over a batch. The result equals the `f32` interpreter's bit for bit. Compiled code never traps and
@@ -11,10 +12,11 @@ mod cold;
 mod emit;
 mod isa;
 mod lower;
+mod pair;
+mod wide;
 
 use std::sync::Arc;
 
-use cranelift_codegen::ir::FuncRef;
 use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::{Context, ir};
 use cranelift_frontend::FunctionBuilderContext;
@@ -42,7 +44,8 @@ struct Inner {
     code: Code,
     interface: Interface,
     abi: Abi,
-    single: bool,
+    /// Points per pass.
+    group: usize,
     steps: u32,
     found: Found,
     names: Vec<String>,
@@ -75,7 +78,7 @@ struct Lowered {
     found: Found,
     interface: Interface,
     abi: Abi,
-    single: bool,
+    group: usize,
     names: Vec<String>,
     buffers: Vec<Option<BufferSize>>,
 }
@@ -90,14 +93,14 @@ impl Kernel {
         options: &Options,
     ) -> Result<Self, CompileError> {
         let isa = isa::find(options)?;
-        let mut builder = code::Builder::new(isa.clone())?;
+        let mut builder = code::Builder::new(isa.clone(), options)?;
         let imports = |func: &mut ir::Function| builder.import(func);
         let mut lowered = lower(module, info, function, signature, options, &isa, imports)?;
         let (host, native) = (!lowered.found.host.is_empty(), lowered.found.native);
         let code = builder.finish(&mut lowered.context, host, native)?;
-        let Lowered { found, interface, abi, single, names, buffers, .. } = lowered;
+        let Lowered { found, interface, abi, group, names, buffers, .. } = lowered;
         let steps = options.steps;
-        let inner = Inner { code, interface, abi, single, steps, found, names, buffers };
+        let inner = Inner { code, interface, abi, group, steps, found, names, buffers };
         Ok(Self { inner: Arc::new(inner) })
     }
 
@@ -110,7 +113,7 @@ impl Kernel {
         options: &Options,
     ) -> Result<Listing, CompileError> {
         let isa = isa::find(options)?;
-        let mut builder = code::Builder::new(isa.clone())?;
+        let mut builder = code::Builder::new(isa.clone(), options)?;
         let mut lowered =
             lower(module, info, function, signature, options, &isa, |func| builder.import(func))?;
         let codegen = |e: String| CompileError::Codegen(e);
@@ -158,7 +161,7 @@ fn lower(
     signature: &Signature,
     options: &Options,
     isa: &OwnedTargetIsa,
-    mut imports: impl FnMut(&mut ir::Function) -> [FuncRef; 2],
+    mut imports: impl FnMut(&mut ir::Function) -> Imports,
 ) -> Result<Lowered, CompileError> {
     let replaced = |name: &str| options.replaces(name) || cold::function(name).is_some();
     let plan = Plan::new(module, info, function, &replaced)?;
@@ -188,8 +191,7 @@ fn lower(
     while flags.begin() {
         context.clear();
         context.func.signature = code::signature(isa);
-        let [host, native] = imports(&mut context.func);
-        let imports = Imports { host, native };
+        let imports = imports(&mut context.func);
         found =
             lower::lower(&job, &mut flags, &mut context.func, &mut builder, imports, isa.frontend_config())
                 .map_err(|(at, cause)| CompileError::Unsupported {
@@ -197,8 +199,14 @@ fn lower(
                 cause,
             })?;
     }
+    let mut group = if single { 1 } else { 4 };
+    if let (Lanes::Eight, 4, Some(points)) = (options.lanes, group, found.points)
+        && pair::pair(&mut context.func, points, 16)
+    {
+        group = 8;
+    }
     let buffers = (0..plan.globals.len()).map(|i| buffer(&plan, i)).collect();
-    Ok(Lowered { context, found, interface, abi, single, names, buffers })
+    Ok(Lowered { context, found, interface, abi, group, names, buffers })
 }
 
 /// What the buffer behind a global variable must hold, if it is one.

@@ -36,7 +36,8 @@ impl Folder for InterpreterFolder {
             };
         }
         let foldable = matches!(builtins::row(builtin), Some(Row::Exact(_) | Row::Library(_) | Row::Code(_)));
-        if !foldable || !(builtin.starts_with("::math::")) {
+        let pure = ["::math::", "::lacquer::"].iter().any(|module| builtin.starts_with(module));
+        if !foldable || !pure {
             return None;
         }
         let mut graph = Graph { types: types.clone(), ..Graph::default() };

@@ -14,7 +14,7 @@ use super::values::{Lowering, Strings, reachable};
 use crate::material::{InputFault, InputKernel, Runtime};
 use crate::state::{StateBatch, StateField};
 use crate::texture::Renumbered;
-use crate::{ArgMode, Argument, Batch, Buffer, Kernel, Mode, Options, Output, Program, Signature};
+use crate::{ArgMode, Argument, Batch, Buffer, Kernel, Linker, Mode, Options, Output, Program, Signature};
 use mdl_frontend::graph::{NodeId, NodeKind, Stage};
 use naga::Handle;
 use std::collections::HashMap;
@@ -113,7 +113,11 @@ impl PartCode {
         needs: Needs,
         uniforms: Vec<NodeId>,
     ) -> Result<Self, LowerError> {
-        let program = Program::new(module).map_err(|e| LowerError::Invalid(e.to_string()))?;
+        // The library is larger than most materials: what is not called need not be validated.
+        let mut linker = Linker::new();
+        let source = linker.source(&module);
+        let function = linker.add(source, function).map_err(|e| LowerError::Invalid(e.to_string()))?;
+        let program = Program::new(linker.finish()).map_err(|e| LowerError::Invalid(e.to_string()))?;
         let signature = signature(&needs, uniforms.len());
         let options = Options { textures: true, ..Options::default() };
         let kernel = Kernel::compile(&program.module, &program.info, function, &signature, &options)

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
+pub mod builtins;
 pub mod generate;
 pub mod generate_flow;
 
@@ -216,6 +217,7 @@ impl<'p> Case<'p> {
     pub fn variants(&self) -> Vec<(&'static str, Options)> {
         let o = &self.options;
         vec![
+            ("8 lanes", Options { lanes: Lanes::Eight, ..o.clone() }),
             ("4 lanes", Options { lanes: Lanes::Four, ..o.clone() }),
             ("1 lane", Options { lanes: Lanes::One, ..o.clone() }),
             ("plain tier", Options { tier: Tier::Plain, ..o.clone() }),
@@ -239,7 +241,7 @@ impl<'p> Case<'p> {
     pub fn check_some(&self, seed: u32) -> Result<(), String> {
         let want = self.run(Executor::Interp32).map_err(|e| format!("interpreter: {e}"))?;
         let mut variants = self.variants();
-        let rare = variants.split_off(2);
+        let rare = variants.split_off(3);
         variants.extend(rare.into_iter().nth(seed as usize % 8));
         for (name, options) in variants {
             let got = self.run_with(Executor::Cpu, &options).map_err(|e| format!("{name}: {e}"))?;

@@ -10,6 +10,18 @@ fn compares(op: Binary) -> bool {
     matches!(op, Binary::Eq | Binary::Ne | Binary::Lt | Binary::Le | Binary::Gt | Binary::Ge)
 }
 
+/// A division by a power of two is the product with its reciprocal, rounded alike, and sooner done.
+fn exact_reciprocal(op: Binary, kind: Kind, c: V) -> (Binary, V) {
+    if let (Binary::Div, Kind::F32, Some(bits)) = (op, kind, c.known()) {
+        let (divisor, reciprocal) = (f32::from_bits(bits as u32), 1.0 / f32::from_bits(bits as u32));
+        let is_power = divisor.is_normal() && bits & 0x7f_ffff == 0;
+        if is_power && reciprocal.is_normal() {
+            return (Binary::Mul, Emit::known(kind, reciprocal.to_bits()));
+        }
+    }
+    (op, c)
+}
+
 impl Scalars for Emit<'_> {
     type V = V;
 
@@ -36,6 +48,7 @@ impl Scalars for Emit<'_> {
             let result = if compares(op) { Kind::Bool } else { kind };
             return Self::fold(result, |w| w.binary(op, kind, x, y));
         }
+        let (op, c) = exact_reciprocal(op, kind, c);
         let varying = a.is_varying() || c.is_varying();
         if !kind.is_float() && kind != Kind::Bool {
             return self.int_binary(op, kind, a, c);

@@ -12,6 +12,7 @@ use super::{FaultSite, Flags, Lower, Lowered, Val};
 use crate::batch::{ArgMode, Interface, Mode};
 use crate::cranelift::abi::{Abi, ArgWords};
 use crate::cranelift::emit::{Emit, V, fixed_memory, memory, scalar_type};
+use crate::cranelift::pair::Points;
 use crate::error::Unsupported;
 use crate::plan::{self, Plan};
 use crate::semantics::Scalars;
@@ -24,6 +25,8 @@ pub struct Imports {
     pub host: FuncRef,
     /// `fn(number, lanes, rows)`.
     pub native: FuncRef,
+    /// The kernel of gradient noise, if the machine has it: `fn(x, y, z, seed) -> noise`, all vectors.
+    pub noise: Option<FuncRef>,
 }
 
 /// What is fixed for all rounds.
@@ -48,6 +51,8 @@ pub struct Found {
     pub native: bool,
     /// Words of constant tables.
     pub constants: Vec<u32>,
+    /// What says which points are computed.
+    pub points: Option<Points>,
 }
 
 /// Lowers one round into `func`.
@@ -74,8 +79,8 @@ pub fn lower(
     let (header, work, done) = (b.create_block(), b.create_block(), b.create_block());
     b.ins().jump(header, &[]);
     b.switch_to_block(header);
-    let offset = b.use_var(position);
-    let more = b.ins().icmp(IntCC::UnsignedLessThan, offset, end);
+    let first = b.use_var(position);
+    let more = b.ins().icmp(IntCC::UnsignedLessThan, first, end);
     b.ins().brif(more, work, &[], done, &[]);
     b.seal_block(work);
     b.seal_block(done);
@@ -83,6 +88,7 @@ pub fn lower(
     let ok = b.ins().iconst(types::I64, 0);
     b.ins().return_(&[ok]);
     b.switch_to_block(work);
+    let offset = b.ins().iadd_imm_s(first, 0);
     let native = Some((imports.native, slot));
     let mut lower = Lower {
         plan: job.plan,
@@ -99,6 +105,7 @@ pub fn lower(
         context: ctx,
         offset,
         host: imports.host,
+        noise: imports.noise,
         constants: &mut constants,
         faults: Vec::new(),
         host_names: Vec::new(),
@@ -112,13 +119,15 @@ pub fn lower(
     };
     lower.group(job).map_err(|e| (lower.frames.last().map_or(usize::MAX, |f| f.index), e))?;
     let bytes = if job.single { 4 } else { 16 };
-    let next = lower.e.b.ins().iadd_imm_s(offset, bytes);
+    let stride = lower.e.long(bytes);
+    let next = lower.e.b.ins().iadd(first, stride);
     lower.e.b.def_var(position, next);
     lower.e.b.ins().jump(header, &[]);
     lower.e.b.seal_block(header);
     let (faults, host, native) = (lower.faults, lower.host_names, lower.e.native_used);
     lower.e.b.finalize(config);
-    Ok(Found { faults, host, native, constants })
+    let points = Some(Points { offset, stride });
+    Ok(Found { faults, host, native, constants, points })
 }
 
 type Variables = Vec<(usize, u32)>;

@@ -25,6 +25,7 @@
 
 mod expr;
 mod flow;
+mod host;
 mod kernel;
 mod place;
 mod read;
@@ -160,6 +161,7 @@ pub struct Lower<'a, 'f> {
     /// Byte offset of the group's points in their columns.
     offset: Value,
     host: FuncRef,
+    noise: Option<FuncRef>,
     constants: &'a mut Vec<u32>,
     faults: Vec<FaultSite>,
     host_names: Vec<usize>,
@@ -271,6 +273,15 @@ impl<'a> Lower<'a, '_> {
         }
     }
 
+    /// A leaf that this round takes for uniform, but has found to vary: in every lane. The round's code is
+    /// of no use then, but what depends on the leaf is found to vary in the same round, too.
+    fn as_found(&mut self, v: V, flag: usize) -> V {
+        if v.is_varying() || !self.flags.raised[flag] {
+            return v;
+        }
+        Emit::varying_leaf(v.kind, self.e.lanes(v))
+    }
+
     /// Inlines a call. The result is `None` for functions without one.
     fn call(&mut self, callee: Handle<naga::Function>, args: Vec<Val>) -> Lowered<Option<Val>> {
         let function = self.plan.get(callee);
@@ -305,7 +316,8 @@ impl<'a> Lower<'a, '_> {
         for (variable, flag, kind) in frame.result {
             let value = self.e.b.use_var(variable);
             let varying = self.flags.get(flag);
-            leaves.push(V { kind, data: if varying { Data::Varying(value) } else { Data::Uniform(value) } });
+            let data = if varying { Data::Varying(value) } else { Data::Uniform(value) };
+            leaves.push(self.as_found(V { kind, data }, flag));
         }
         Ok(Some(self.keep(&leaves)))
     }
@@ -343,72 +355,6 @@ impl<'a> Lower<'a, '_> {
             self.initialise(var, local.init.as_deref(), local.starts);
         }
         Ok(())
-    }
-
-    /// Calls a function of the host for the active lanes.
-    fn call_host(&mut self, callee: Handle<naga::Function>, args: Vec<Val>) -> Lowered<Option<Val>> {
-        let function = self.plan.get(callee);
-        let kinds = function.result.map_or(Ok(Vec::new()), |ty| self.plan.types.kinds(ty))?;
-        let leaves: Vec<V> = args.iter().flat_map(|&a| self.leaves(a).to_vec()).collect();
-        let varying = leaves.iter().any(|v| v.is_varying());
-        let rows = self.slot(16 * (leaves.len() + kinds.len() + 1))?;
-        let address = self.e.b.ins().stack_addr(types::I64, rows, 0);
-        for (i, &v) in leaves.iter().enumerate() {
-            // Truth values are passed as masks in any case.
-            let x = if varying || v.kind == Kind::Bool { self.e.lanes(v) } else { self.e.scalar(v) };
-            self.e.b.ins().store(super::emit::memory(), x, address, 16 * i as i32);
-        }
-        let mask = if !varying {
-            self.e.b.ins().iconst(types::I32, 1)
-        } else if self.all_active() {
-            self.e.b.ins().iconst(types::I32, 15)
-        } else {
-            let exec = self.exec_mask();
-            self.e.b.ins().vhigh_bits(types::I32, exec)
-        };
-        let index = self.host_names.iter().position(|&n| n == callee.index()).unwrap_or_else(|| {
-            self.host_names.push(callee.index());
-            self.host_names.len() - 1
-        });
-        let table = self.context_word(super::abi::HOST);
-        let number = self.e.b.ins().iconst(types::I32, index as i64);
-        let counts = self.e.b.ins().iconst(types::I32, ((leaves.len() << 16) | kinds.len()) as i64);
-        self.e.b.ins().call(self.host, &[table, number, mask, counts, address]);
-        let at = 16 * (leaves.len() + kinds.len()) as i32;
-        let status = self.e.b.ins().load(types::I32, super::emit::memory(), address, at);
-        self.fault_if(status, FaultSite::Host { index });
-        let mut out = Vec::new();
-        for (i, kind) in kinds.into_iter().enumerate() {
-            let at = 16 * (leaves.len() + i) as i32;
-            let ty = match (varying, kind) {
-                (true, _) => lanes_type(kind),
-                (false, Kind::Bool) => types::I32,
-                (false, _) => scalar_type(kind),
-            };
-            let mut x = self.e.b.ins().load(ty, super::emit::memory(), address, at);
-            if kind == Kind::Bool {
-                let zero = if varying { self.e.vector_const(ty, 0) } else { self.e.b.ins().iconst(ty, 0) };
-                x = self.e.b.ins().icmp(cranelift_codegen::ir::condcodes::IntCC::NotEqual, x, zero);
-            }
-            out.push(V { kind, data: if varying { Data::Varying(x) } else { Data::Uniform(x) } });
-        }
-        Ok(function.result.map(|_| self.keep(&out)))
-    }
-
-    /// Ends the run with a fault where `condition`, a scalar, is not zero.
-    fn fault_if(&mut self, condition: Value, site: FaultSite) {
-        self.faults.push(site);
-        let (fault, go_on) = (self.e.b.create_block(), self.e.b.create_block());
-        self.e.b.set_cold_block(fault);
-        self.e.b.ins().brif(condition, fault, &[], go_on, &[]);
-        self.e.b.seal_block(fault);
-        self.e.b.seal_block(go_on);
-        self.e.b.switch_to_block(fault);
-        let at = 8 * super::abi::FAULT as i32;
-        self.e.b.ins().store(super::emit::memory(), self.offset, self.context, at);
-        let number = self.e.long(self.faults.len() as i64);
-        self.e.b.ins().return_(&[number]);
-        self.e.b.switch_to_block(go_on);
     }
 
     /// A word of the context.

@@ -332,7 +332,13 @@ impl Lower<'_, '_> {
         self.row_address(base, step)
     }
 
+    /// A leaf of a variable, varying if this round has found that it does.
     fn load_var(&mut self, var: usize, leaf: u32, step: Option<Step>) -> V {
+        let v = self.load_var_as_stored(var, leaf, step);
+        self.as_found(v, self.class_flag(var, leaf))
+    }
+
+    fn load_var_as_stored(&mut self, var: usize, leaf: u32, step: Option<Step>) -> V {
         let Some(step) = step else { return self.get(var, leaf) };
         self.vary_together(var, leaf, step, false);
         let few = step.max / step.unit < FEW;

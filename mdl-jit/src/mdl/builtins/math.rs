@@ -1,4 +1,4 @@
-//! `::math`
+//! `::math`, and `::lacquer`
 
 use super::{LowerError, Lowering, Row, TypeId, Value};
 use crate::mdl::operators::Shape;
@@ -35,8 +35,8 @@ pub fn row(function: &str) -> Option<Row> {
         "fmod" => Library("math_fmod"),
         "frac" => Code(fraction),
         "int_bits_to_float" => Code(|l, args, _| Ok(l.b.bitcast(args[0].0, ScalarKind::Float))),
-        "isfinite" => Code(|l, args, _| Ok(below_infinity(l, args[0]))),
-        "isnan" => Code(|l, args, _| Ok(l.b.binary(BinaryOperator::NotEqual, args[0].0, args[0].0))),
+        "isfinite" => Code(|l, args, _| Ok(magnitude_bits(l, args[0], BinaryOperator::Less))),
+        "isnan" => Code(|l, args, _| Ok(magnitude_bits(l, args[0], BinaryOperator::Greater))),
         "length" => Code(|l, args, _| Ok(length(l, args[0]))),
         "lerp" => Code(lerp),
         "log" => Library("math_log"),
@@ -67,6 +67,13 @@ pub fn row(function: &str) -> Option<Row> {
         "transpose" => Exact(M::Transpose),
         _ => return None,
     })
+}
+
+/// The row of a function of `::lacquer`.
+pub fn noise_row(function: &str) -> Option<Row> {
+    (function == "gradient_noise").then_some(Row::Code(|l, args, _| {
+        Ok(l.b.library("noise_gradient", args.iter().map(|(value, _)| *value).collect()))
+    }))
 }
 
 type Arg = (Value, TypeId);
@@ -172,11 +179,19 @@ fn fraction(l: &mut Lowering<'_, '_>, args: &[Arg], _: TypeId) -> Result<Value> 
     Ok(l.b.select(is_one, zero, fraction))
 }
 
-/// Comparison by magnitude: a NaN is not below infinity either.
-fn below_infinity(l: &mut Lowering<'_, '_>, (value, ty): Arg) -> Value {
-    let magnitude = l.b.math(MathFunction::Abs, &[value]);
-    let largest = wide(l, f32::MAX, l.size(ty));
-    l.b.binary(BinaryOperator::LessEqual, magnitude, largest)
+/// Compares the bits without the sign with those of infinity: below are finite numbers, above is NaN. A GPU
+/// may assume that a float is neither.
+fn magnitude_bits(l: &mut Lowering<'_, '_>, (value, ty): Arg, compare: BinaryOperator) -> Value {
+    let size = l.size(ty);
+    let bits = l.b.bitcast(value, ScalarKind::Uint);
+    let (mask, infinity) = (wide_bits(l, 0x7fff_ffff, size), wide_bits(l, 0x7f80_0000, size));
+    let magnitude = l.b.binary(BinaryOperator::And, bits, mask);
+    l.b.binary(compare, magnitude, infinity)
+}
+
+fn wide_bits(l: &mut Lowering<'_, '_>, bits: u32, size: u8) -> Value {
+    let value = l.b.u32(bits);
+    if size > 1 { l.b.splat(size, value) } else { value }
 }
 
 /// a·(1 − t) + b·t: exact at both ends.

@@ -36,6 +36,7 @@ pub fn row(name: &str) -> Option<Row> {
     let (_, module, function) = split(name)?;
     match module {
         "math" => math::row(function),
+        "lacquer" => math::noise_row(function),
         "state" => state::row(function),
         "tex" | "scene" | "debug" => texture::row(module, function),
         "df" => Some(texture::profile_row(function).unwrap_or(Row::Declarative)),

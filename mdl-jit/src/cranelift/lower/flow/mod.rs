@@ -173,6 +173,8 @@ impl<'a> Lower<'a, '_> {
                 let args = arguments.iter().map(|a| self.value(a.index())).collect::<Lowered<Vec<_>>>()?;
                 let value = if self.plan.get(*function).replaced {
                     self.call_host(*function, args)?
+                } else if let Some(value) = self.call_wide(*function, &args) {
+                    Some(value)
                 } else {
                     self.call(*function, args)?
                 };
