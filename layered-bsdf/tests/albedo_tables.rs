@@ -7,6 +7,7 @@
 
 use layered_bsdf::lobes::microflake::microflake_albedo;
 use layered_bsdf::prelude::*;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Largest difference that is accepted, over all rows and columns but the last, which is at 90°.
@@ -14,6 +15,10 @@ const TOLERANCE: f64 = 2e-4;
 
 /// Samples per place.
 const SAMPLES: u32 = 1 << 19;
+/// Rings around a peak; each has a third as many steps along its half. Twice as many follow until the integral stays.
+const RINGS: [usize; 5] = [96, 192, 384, 768, 1536];
+/// How far two integrals may differ.
+const AGREEMENT: f64 = 3e-5;
 
 /// Every how many rows and columns are compared: `LACQUER_TABLE_STEP=1` compares all.
 fn step() -> usize {
@@ -46,8 +51,60 @@ impl Table {
     }
 }
 
-/// What a lobe of this tree sends back and on: the mean weight of samples at the points of a net.
+/// What a lobe of this tree sends back and on: the integral of its value.
 fn albedo(tree: &Tree<f32>, options: BsdfOptions, point: ShadingPoint, mu: f64) -> f64 {
+    let made = LayerProgram::with_values_and_options(tree, options, point);
+    let (program, mut params) = made.expect("a small tree");
+    let mut program = program.to_program();
+    let sine = (1.0 - mu * mu).sqrt();
+    let wo = vec3f(sine as f32, 0.0, mu as f32);
+    let mut eval = |w: [f64; 3]| {
+        let [x, y, z] = w.map(|x| x as f32);
+        f64::from(bsdf_eval(&mut program, &mut params, point, wo, vec3f(x, y, z)).glossy.y)
+    };
+    // Refracted; where nothing is, along the surface.
+    let bent = (-sine / f64::from(point.eta)).max(-1.0);
+    integral(-sine, 1.0, &mut eval) + integral(bent, -1.0, &mut eval)
+}
+
+/// The integral of an even function of y over the directions on one side, in rings around the direction with this x:
+/// their radius grows with the fifth power, so that peaks down to 1e-4 have many.
+fn integral(x: f64, side: f64, f: &mut impl FnMut([f64; 3]) -> f64) -> f64 {
+    let mut last = f64::INFINITY;
+    for rings in RINGS {
+        let next = in_rings(x, side, rings, f);
+        if (next - last).abs() < AGREEMENT {
+            return next;
+        }
+        last = next;
+    }
+    last
+}
+
+/// The integral in so many rings.
+fn in_rings(x: f64, side: f64, rings: usize, f: &mut impl FnMut([f64; 3]) -> f64) -> f64 {
+    let z = side * (1.0 - x * x).max(0.0).sqrt();
+    let steps = rings / 3;
+    let mut sum = 0.0;
+    for ring in 0..rings {
+        let t = (ring as f64 + 0.5) / rings as f64;
+        let (sin, cos) = (PI * t.powi(5)).sin_cos();
+        let mut along = 0.0;
+        for step in 0..steps {
+            let (sin_phi, cos_phi) = (PI * (step as f64 + 0.5) / steps as f64).sin_cos();
+            let w = [cos * x + sin * cos_phi * z, sin * sin_phi, cos * z - sin * cos_phi * x];
+            if w[2] * side > 0.0 {
+                along += f(w);
+            }
+        }
+        sum += along * sin * 5.0 * PI * t.powi(4);
+    }
+    sum * 2.0 * PI / (rings * steps) as f64
+}
+
+/// The same: the mean weight of samples at the points of a net. Next to an index of 1 light passes in directions whose
+/// density ends at an edge, and rings around them err.
+fn sampled_albedo(tree: &Tree<f32>, options: BsdfOptions, point: ShadingPoint, mu: f64) -> f64 {
     let made = LayerProgram::with_values_and_options(tree, options, point);
     let (program, mut params) = made.expect("a small tree");
     let mut program = program.to_program();
@@ -176,7 +233,7 @@ fn worst_of(name: &str, mode: ScatterMode) -> Option<(f64, String)> {
         let [.., alpha, mu, theirs] = row[..] else { panic!("three columns at least") };
         let ior = if row.len() > 3 { row[0] as f32 } else { 1.5 };
         let tree = glossy(GlossyModel::GgxSmith, alpha as f32, mode);
-        let ours = albedo(&tree, options, point(1.0, ior), mu);
+        let ours = sampled_albedo(&tree, options, point(1.0, ior), mu);
         ((ours - theirs).abs(), format!("{row:?}: {ours:.5}"))
     };
     // A stride without a common factor with the width of a table.
@@ -248,7 +305,7 @@ fn refraction_is_that_of_the_tables() {
     let mut failures = Vec::new();
     for (name, model) in MODELS.into_iter().take(5) {
         let lobe = |alpha| glossy(model, alpha, ScatterMode::ReflectTransmit);
-        let some = if step() > 1 { vec![3, 11] } else { (0..16).collect() };
+        let some = if step() >= 16 { vec![3, 11] } else { (0..16).collect() };
         for index in some {
             let ior = 1.125 + 0.125 * index as f32;
             failures.extend(compare(name, 1 + index, lobe, point(1.0, ior)));
