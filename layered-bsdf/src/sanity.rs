@@ -124,6 +124,12 @@ mod tests {
         ] {
             assert_eq!(complaints(&tree), [expected]);
         }
+        let fog = Tree::AnisotropicVdf { directional_bias: 3.0 };
+        assert_eq!(
+            complaints(&fog),
+            ["directional bias of anisotropic scattering is 3; it should lie in -1 to 1"]
+        );
+        assert_eq!(complaints(&Tree::FogVdf { particle_size: -1.0 }).len(), 1);
         let film = Tree::ThinFilm {
             thickness: f32::INFINITY,
             ior: [1.3, 0.0, 1.3],
