@@ -2524,22 +2524,22 @@ fn base_child(n: vec4u, index: u32) -> u32 {
     return select(n.z, (index + 1u), ((n.x & FLAG_BASE_FIRST) != 0u));
 }
 
-fn visit_now(n: vec4u, layer: Visit, base: Visit) -> Visit {
-    if ((n.x & FLAG_BASE_FIRST) != 0u) {
-        return base;
-    }
-    return layer;
-}
-
-fn visit_later(n: vec4u, layer: Visit, base: Visit) -> Visit {
-    if ((n.x & FLAG_BASE_FIRST) != 0u) {
-        return layer;
-    }
-    return base;
-}
-
 fn visit_root() -> Visit {
     return Visit(0u, splat3(1.0), 1.0, NO_SLOT);
+}
+
+struct Fork {
+    now: Visit,
+    later: Visit
+}
+
+fn visit_fork(n: vec4u, visit: Visit, own: u32, split: LayerSplit) -> Fork {
+    let layer = Visit(layer_child(n, visit.node), (visit.weight * split.layer), (visit.prob * split.prob), own);
+    let base = Visit(base_child(n, visit.node), (visit.weight * split.base), (visit.prob * (1.0 - split.prob)), visit.normal);
+    if ((n.x & FLAG_BASE_FIRST) != 0u) {
+        return Fork(base, layer);
+    }
+    return Fork(layer, base);
 }
 
 fn layer_normal(n: vec4u, inherited: u32) -> u32 {
@@ -2737,13 +2737,10 @@ fn bsdf_visit(
         let n = bsdf_node(program, visit.node);
         let op = (n.x & OP_MASK);
         if (op >= OP_WEIGHTED_LAYER) {
-            let inherited = visit.normal;
-            let own = layer_normal(n, inherited);
-            let split = layer_split(n, p, point, own, wo, wi);
-            let layer = Visit(layer_child(n, visit.node), (visit.weight * split.layer), (visit.prob * split.prob), own);
-            let base = Visit(base_child(n, visit.node), (visit.weight * split.base), (visit.prob * (1.0 - split.prob)), inherited);
-            stack[u32(depth)] = visit_later(n, layer, base);
-            visit = visit_now(n, layer, base);
+            let own = layer_normal(n, visit.normal);
+            let fork = visit_fork(n, visit, own, layer_split(n, p, point, own, wo, wi));
+            stack[u32(depth)] = fork.later;
+            visit = fork.now;
             depth += 1u;
         } else if (op == OP_MEASURED_PICTURE) {
             visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wi);
@@ -3012,10 +3009,10 @@ fn bsdf_albedo_closed(program: ptr<function, Program>, p: ptr<function, Params>,
         if (op >= OP_WEIGHTED_LAYER) {
             let own = layer_normal(n, visit.normal);
             let share = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
-            let layer = Visit(layer_child(n, visit.node), (visit.weight * share), 1.0, own);
-            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - share)), 1.0, visit.normal);
-            stack[u32(depth)] = visit_later(n, layer, base);
-            visit = visit_now(n, layer, base);
+            let split = LayerSplit(share, (splat3(1.0) - share), 1.0);
+            let fork = visit_fork(n, visit, own, split);
+            stack[u32(depth)] = fork.later;
+            visit = fork.now;
             depth += 1u;
         } else if (op >= OP_TINT) {
             visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);
@@ -3123,10 +3120,10 @@ fn bsdf_auxiliary(program: ptr<function, Program>, p: ptr<function, Params>, poi
             if layer_conserves(n, p, point) {
                 seen = layer_albedo(n, p, c);
             }
-            let layer = Visit(layer_child(n, visit.node), (visit.weight * seen), 1.0, own);
-            let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - seen)), 1.0, visit.normal);
-            stack[u32(depth)] = visit_later(n, layer, base);
-            visit = visit_now(n, layer, base);
+            let split = LayerSplit(seen, (splat3(1.0) - seen), 1.0);
+            let fork = visit_fork(n, visit, own, split);
+            stack[u32(depth)] = fork.later;
+            visit = fork.now;
             depth += 1u;
         } else if (op == OP_MEASURED_PICTURE) {
             visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wo);
@@ -3194,17 +3191,10 @@ fn spot_sample(spot: Spot, u: vec3f) -> vec3f {
     let w = frame_from_local(frame, vec3f((r * turn.y), (r * turn.x), (1.0 - below)));
     return normalize_or(w, spot.axis);
 }
-struct Fork {
-    now: Visit,
-    later: Visit
-}
-
 fn weighted_fork(n: vec4u, p: ptr<function, Params>, visit: Visit) -> Fork {
     let weight = unit3(param3(p, (n.y + SLOT_LAYER_WEIGHT)));
     let prob = layer_probability(n, p, weight);
-    let layer = Visit(layer_child(n, visit.node), (visit.weight * weight), (visit.prob * prob), visit.normal);
-    let base = Visit(base_child(n, visit.node), (visit.weight * (splat3(1.0) - weight)), (visit.prob * (1.0 - prob)), visit.normal);
-    return Fork(visit_now(n, layer, base), visit_later(n, layer, base));
+    return visit_fork(n, visit, visit.normal, LayerSplit(weight, (splat3(1.0) - weight), prob));
 }
 
 struct Chosen {

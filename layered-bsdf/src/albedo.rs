@@ -104,20 +104,10 @@ pub mod code {
             if op >= OP_WEIGHTED_LAYER {
                 let own = layer_normal(n, visit.normal);
                 let share = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
-                let layer = Visit {
-                    node: layer_child(n, visit.node),
-                    weight: visit.weight * share,
-                    prob: 1.0,
-                    normal: own,
-                };
-                let base = Visit {
-                    node: base_child(n, visit.node),
-                    weight: visit.weight * (splat3(1.0) - share),
-                    prob: 1.0,
-                    normal: visit.normal,
-                };
-                stack[depth as usize] = visit_later(n, layer, base);
-                visit = visit_now(n, layer, base);
+                let split = LayerSplit { layer: share, base: splat3(1.0) - share, prob: 1.0 };
+                let fork = visit_fork(n, visit, own, split);
+                stack[depth as usize] = fork.later;
+                visit = fork.now;
                 depth += 1;
             } else if op >= OP_TINT {
                 visit.weight *= modifier_factor(n, p, point, visit.normal, wo, wo, false);

@@ -78,20 +78,10 @@ pub mod code {
                 if layer_conserves(n, p, point) {
                     seen = layer_albedo(n, p, c);
                 }
-                let layer = Visit {
-                    node: layer_child(n, visit.node),
-                    weight: visit.weight * seen,
-                    prob: 1.0,
-                    normal: own,
-                };
-                let base = Visit {
-                    node: base_child(n, visit.node),
-                    weight: visit.weight * (splat3(1.0) - seen),
-                    prob: 1.0,
-                    normal: visit.normal,
-                };
-                stack[depth as usize] = visit_later(n, layer, base);
-                visit = visit_now(n, layer, base);
+                let split = LayerSplit { layer: seen, base: splat3(1.0) - seen, prob: 1.0 };
+                let fork = visit_fork(n, visit, own, split);
+                stack[depth as usize] = fork.later;
+                visit = fork.now;
                 depth += 1;
             } else if op == OP_MEASURED_PICTURE {
                 visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wo);

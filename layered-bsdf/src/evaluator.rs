@@ -125,27 +125,39 @@ pub mod code {
         select(n.z, index + 1, (n.x & FLAG_BASE_FIRST) != 0)
     }
 
-    /// Which child of `n` is visited now: the one that needs less of the stack.
-    #[wgsl_inline::always]
-    pub fn visit_now(n: Vec4u, layer: Visit, base: Visit) -> Visit {
-        if (n.x & FLAG_BASE_FIRST) != 0 {
-            return base;
-        }
-        layer
-    }
-
-    /// Which child of `n` waits.
-    #[wgsl_inline::always]
-    pub fn visit_later(n: Vec4u, layer: Visit, base: Visit) -> Visit {
-        if (n.x & FLAG_BASE_FIRST) != 0 {
-            return layer;
-        }
-        base
-    }
-
     /// The visit of a whole program.
     pub fn visit_root() -> Visit {
         Visit { node: 0, weight: splat3(1.0), prob: 1.0, normal: NO_SLOT }
+    }
+
+    /// Both children of a layer.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Fork {
+        /// Visited now: the one that needs less of the stack.
+        pub now: Visit,
+        /// Waits.
+        pub later: Visit,
+    }
+
+    /// The children of the layer `n`, which `visit` is at, divided by `split`. The layer has its normal in slot `own`.
+    #[wgsl_inline::always]
+    pub fn visit_fork(n: Vec4u, visit: Visit, own: u32, split: LayerSplit) -> Fork {
+        let layer = Visit {
+            node: layer_child(n, visit.node),
+            weight: visit.weight * split.layer,
+            prob: visit.prob * split.prob,
+            normal: own,
+        };
+        let base = Visit {
+            node: base_child(n, visit.node),
+            weight: visit.weight * split.base,
+            prob: visit.prob * (1.0 - split.prob),
+            normal: visit.normal,
+        };
+        if (n.x & FLAG_BASE_FIRST) != 0 {
+            return Fork { now: base, later: layer };
+        }
+        Fork { now: layer, later: base }
     }
 
     /// The slot of a layer's normal: its own or the inherited one.
@@ -386,23 +398,10 @@ pub mod code {
             let n = bsdf_node(program, visit.node);
             let op = n.x & OP_MASK;
             if op >= OP_WEIGHTED_LAYER {
-                let inherited = visit.normal;
-                let own = layer_normal(n, inherited);
-                let split = layer_split(n, p, point, own, wo, wi);
-                let layer = Visit {
-                    node: layer_child(n, visit.node),
-                    weight: visit.weight * split.layer,
-                    prob: visit.prob * split.prob,
-                    normal: own,
-                };
-                let base = Visit {
-                    node: base_child(n, visit.node),
-                    weight: visit.weight * split.base,
-                    prob: visit.prob * (1.0 - split.prob),
-                    normal: inherited,
-                };
-                stack[depth as usize] = visit_later(n, layer, base);
-                visit = visit_now(n, layer, base);
+                let own = layer_normal(n, visit.normal);
+                let fork = visit_fork(n, visit, own, layer_split(n, p, point, own, wo, wi));
+                stack[depth as usize] = fork.later;
+                visit = fork.now;
                 depth += 1;
             } else if op == OP_MEASURED_PICTURE {
                 visit.weight *= node_picture_factor(program, n, p, visit.normal, wo, wi);

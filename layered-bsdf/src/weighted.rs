@@ -11,32 +11,11 @@ pub mod code {
     use crate::sampling::code::*;
     use wgsl_rs::std::*;
 
-    /// Both children of a layer.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Fork {
-        /// Visited now.
-        pub now: Visit,
-        /// Waits.
-        pub later: Visit,
-    }
-
     /// The children of the weighted layer `n`, which `visit` is at.
     pub fn weighted_fork(n: Vec4u, p: ptr!(function, Params), visit: Visit) -> Fork {
         let weight = unit3(param3(p, n.y + SLOT_LAYER_WEIGHT));
         let prob = layer_probability(n, p, weight);
-        let layer = Visit {
-            node: layer_child(n, visit.node),
-            weight: visit.weight * weight,
-            prob: visit.prob * prob,
-            normal: visit.normal,
-        };
-        let base = Visit {
-            node: base_child(n, visit.node),
-            weight: visit.weight * (splat3(1.0) - weight),
-            prob: visit.prob * (1.0 - prob),
-            normal: visit.normal,
-        };
-        Fork { now: visit_now(n, layer, base), later: visit_later(n, layer, base) }
+        visit_fork(n, visit, visit.normal, LayerSplit { layer: weight, base: splat3(1.0) - weight, prob })
     }
 
     /// A leaf and what is left of the random number that chose it.
